@@ -1,0 +1,230 @@
+//! The builder: binned surface area heuristic (Wald 2007), in place, without an allocator and without recursion.
+
+use super::{Bounds, Bvh, MAX_DEPTH, Node, required_nodes};
+use crate::error::{Capacity, CapacityError};
+use crate::real::{Real, Vector};
+use crate::shape::Geometry;
+
+/// Which structure to build over the primitives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Structure {
+    /// One box around everything: a single leaf.
+    Box,
+    /// A hierarchy.
+    #[default]
+    Bvh,
+}
+
+/// Scratch of the builder: one per primitive.
+#[derive(Clone, Copy, Debug)]
+pub struct BuildItem<R: Real> {
+    bounds: Bounds<R>,
+    primitive: u32,
+}
+
+impl<R: Real> BuildItem<R> {
+    /// An item of a scratch that holds nothing yet.
+    pub const EMPTY: Self = Self { bounds: Bounds::EMPTY, primitive: 0 };
+
+    /// Twice the centre of the box along `axis`: as good a key as the centre.
+    #[inline]
+    fn key(&self, axis: usize) -> R {
+        self.bounds.corners[0][axis] + self.bounds.corners[1][axis]
+    }
+}
+
+/// Bins along the axis of a split.
+const BINS: usize = 16;
+/// Leaves hold at most this many primitives, unless their centres coincide and halving them gains nothing.
+const MAX_LEAF: usize = 8;
+/// Cost of visiting an inner node's two children, in primitive tests.
+const VISIT_COST: f64 = 1.0;
+/// Below this depth splits halve, which takes at most 32 more levels for 2^31 primitives.
+const HALVE_FROM_DEPTH: usize = MAX_DEPTH - 33;
+
+/// Builds a hierarchy of `geometry` into `nodes` and `order`.
+///
+/// The same geometry gives the same hierarchy on every target. Any input will do: equal centres, NaN and infinite
+/// corners; the depth stays within [`MAX_DEPTH`].
+///
+/// # Errors
+/// [`CapacityError`] where a slice is shorter than [`required_nodes`] or than the number of primitives.
+pub fn build<'a, R: Real>(
+    geometry: &Geometry<'_, R>,
+    structure: Structure,
+    nodes: &'a mut [Node<R>],
+    order: &'a mut [u32],
+    scratch: &mut [BuildItem<R>],
+) -> Result<Bvh<'a, R>, CapacityError> {
+    let primitives = geometry.len();
+    let node_count = match structure {
+        Structure::Box => primitives.min(1),
+        Structure::Bvh => required_nodes(primitives),
+    };
+    let room = |what, needed, capacity| {
+        if needed <= capacity { Ok(()) } else { Err(CapacityError { what, needed, capacity }) }
+    };
+    room(Capacity::Nodes, node_count, nodes.len())?;
+    room(Capacity::Order, primitives, order.len())?;
+    room(Capacity::Scratch, primitives, scratch.len())?;
+    if primitives == 0 {
+        return Ok(Bvh { nodes: &[], order: &[] });
+    }
+
+    let items = &mut scratch[..primitives];
+    for (index, item) in items.iter_mut().enumerate() {
+        *item = BuildItem { bounds: geometry.bounds(index), primitive: index as u32 };
+    }
+    let used = match structure {
+        Structure::Box => {
+            nodes[0] = Node { bounds: union(items), first: 0, count: primitives as u32 };
+            1
+        }
+        Structure::Bvh => split_all(items, nodes),
+    };
+    for (slot, item) in order.iter_mut().zip(items.iter()) {
+        *slot = item.primitive;
+    }
+    Ok(Bvh { nodes: &nodes[..used], order: &order[..primitives] })
+}
+
+/// Splits from the root down; returns the number of nodes.
+fn split_all<R: Real>(items: &mut [BuildItem<R>], nodes: &mut [Node<R>]) -> usize {
+    nodes[0] = Node { bounds: union(items), first: 0, count: items.len() as u32 };
+    let mut used = 1;
+    // Depth first: at each level one sibling waits, so the stack is as deep as the tree.
+    let mut waiting = [(0u32, 0u8); MAX_DEPTH + 1];
+    let mut top = 1;
+    while top > 0 {
+        top -= 1;
+        let (at, depth) = waiting[top];
+        let node = nodes[at as usize];
+        let (first, count) = (node.first as usize, node.count as usize);
+        let range = &mut items[first..first + count];
+        let Some(left) = split(range, &node.bounds, depth as usize) else { continue };
+        let (left_items, right_items) = range.split_at(left);
+        let child = |items: &[BuildItem<R>], first: usize| Node {
+            bounds: union(items),
+            first: first as u32,
+            count: items.len() as u32,
+        };
+        nodes[used] = child(left_items, first);
+        nodes[used + 1] = child(right_items, first + left);
+        nodes[at as usize] = Node { first: used as u32, count: 0, ..node };
+        waiting[top] = (used as u32 + 1, depth + 1);
+        waiting[top + 1] = (used as u32, depth + 1);
+        top += 2;
+        used += 2;
+    }
+    used
+}
+
+fn union<R: Real>(items: &[BuildItem<R>]) -> Bounds<R> {
+    items.iter().fold(Bounds::EMPTY, |bounds, item| bounds.union(&item.bounds))
+}
+
+/// Reorders the items and says how many go left; `None` where a leaf is better.
+fn split<R: Real>(items: &mut [BuildItem<R>], bounds: &Bounds<R>, depth: usize) -> Option<usize> {
+    if items.len() < 2 {
+        return None;
+    }
+    let mut keys = Bounds::EMPTY;
+    for item in items.iter() {
+        keys.grow(R::Vec3::new(item.key(0), item.key(1), item.key(2)));
+    }
+    if depth < HALVE_FROM_DEPTH {
+        let leaf_cost = items.len() as f64;
+        let best =
+            (0..3).filter_map(|axis| best_plane(items, &keys, axis)).reduce(|a, b| if b.cost < a.cost { b } else { a });
+        if let Some(plane) = best {
+            let area = bounds.half_area().to_f64();
+            let cost = VISIT_COST + plane.cost / area;
+            if items.len() > MAX_LEAF || cost < leaf_cost {
+                return Some(partition(items, |item| plane.bin(item) <= plane.last_left));
+            }
+            return None;
+        }
+    }
+    if items.len() <= MAX_LEAF {
+        return None;
+    }
+    Some(halve(items, &keys))
+}
+
+/// Where to cut, and what it costs: areas times counts.
+#[derive(Clone, Copy)]
+struct Plane<R: Real> {
+    axis: usize,
+    low: R,
+    scale: R,
+    last_left: usize,
+    cost: f64,
+}
+
+impl<R: Real> Plane<R> {
+    /// The bin of an item; keys that are not numbers go first.
+    #[inline]
+    fn bin(&self, item: &BuildItem<R>) -> usize {
+        let bin = ((item.key(self.axis) - self.low) * self.scale).to_i32();
+        bin.clamp(0, BINS as i32 - 1) as usize
+    }
+}
+
+/// The cheapest of the planes between bins along `axis`; `None` where all centres fall into one bin.
+fn best_plane<R: Real>(items: &[BuildItem<R>], keys: &Bounds<R>, axis: usize) -> Option<Plane<R>> {
+    let low = keys.corners[0][axis];
+    let extent = keys.corners[1][axis] - low;
+    let scale = R::from_f64(BINS as f64) / extent;
+    if !(extent > R::ZERO && scale.is_finite() && scale > R::ZERO) {
+        return None;
+    }
+    let mut plane = Plane { axis, low, scale, last_left: 0, cost: f64::MAX };
+    let mut bins = [(Bounds::<R>::EMPTY, 0usize); BINS];
+    for item in items {
+        let (bounds, count) = &mut bins[plane.bin(item)];
+        *bounds = bounds.union(&item.bounds);
+        *count += 1;
+    }
+    // Costs of what lies right of each plane, then a sweep from the left.
+    let mut right_costs = [0.0; BINS];
+    let (mut bounds, mut count) = (Bounds::EMPTY, 0);
+    for bin in (1..BINS).rev() {
+        bounds = bounds.union(&bins[bin].0);
+        count += bins[bin].1;
+        right_costs[bin - 1] = bounds.half_area().to_f64() * count as f64;
+    }
+    let (mut bounds, mut count) = (Bounds::EMPTY, 0);
+    for bin in 0..BINS - 1 {
+        bounds = bounds.union(&bins[bin].0);
+        count += bins[bin].1;
+        let cost = bounds.half_area().to_f64() * count as f64 + right_costs[bin];
+        if count > 0 && count < items.len() && cost < plane.cost {
+            plane = Plane { last_left: bin, cost, ..plane };
+        }
+    }
+    (plane.cost < f64::MAX).then_some(plane)
+}
+
+/// Moves the items that belong left to the front; returns how many they are.
+fn partition<T>(items: &mut [T], mut is_left: impl FnMut(&T) -> bool) -> usize {
+    let mut left = 0;
+    for at in 0..items.len() {
+        if is_left(&items[at]) {
+            items.swap(left, at);
+            left += 1;
+        }
+    }
+    left
+}
+
+/// Halves the items at the median of the longest axis; primitive numbers break ties, so the result is defined.
+fn halve<R: Real>(items: &mut [BuildItem<R>], keys: &Bounds<R>) -> usize {
+    let extent = |axis: usize| keys.corners[1][axis] - keys.corners[0][axis];
+    let axis = (1..3).fold(0, |longest, axis| if extent(axis) > extent(longest) { axis } else { longest });
+    let middle = items.len() / 2;
+    items.select_nth_unstable_by(middle, |a, b| {
+        let (key_a, key_b) = (a.key(axis).to_f64(), b.key(axis).to_f64());
+        key_a.total_cmp(&key_b).then(a.primitive.cmp(&b.primitive))
+    });
+    middle
+}

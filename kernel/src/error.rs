@@ -1,0 +1,171 @@
+//! What can be wrong with what a caller hands in: one small error per operation.
+
+use core::fmt;
+
+/// A storage that is too small. Nothing was built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CapacityError {
+    /// Which storage.
+    pub what: Capacity,
+    /// How many items it has to hold.
+    pub needed: usize,
+    /// How many it can hold.
+    pub capacity: usize,
+}
+
+/// A storage that the caller provides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Capacity {
+    /// Nodes of the hierarchy; [`crate::bvh::required_nodes`].
+    Nodes,
+    /// Primitive numbers in leaf order; one per primitive.
+    Order,
+    /// Scratch of the builder; one item per primitive.
+    Scratch,
+}
+
+impl fmt::Display for CapacityError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self.what {
+            Capacity::Nodes => "nodes",
+            Capacity::Order => "primitive order",
+            Capacity::Scratch => "build scratch",
+        };
+        write!(f, "{what}: {} needed, room for {}; lend a larger slice", self.needed, self.capacity)
+    }
+}
+
+impl core::error::Error for CapacityError {}
+
+/// Primitives that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GeometryError {
+    /// The sphere's centre is not finite, or its radius not positive and finite.
+    Sphere {
+        /// Which sphere.
+        index: usize,
+    },
+    /// A corner index is outside of the positions.
+    TriangleCorner {
+        /// Which triangle.
+        index: usize,
+        /// How many positions there are.
+        positions: usize,
+    },
+    /// More than 2^31 primitives.
+    TooMany,
+}
+
+impl fmt::Display for GeometryError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sphere { index } => {
+                write!(f, "sphere {index}: centre must be finite, radius positive and finite")
+            }
+            Self::TriangleCorner { index, positions } => {
+                write!(f, "triangle {index}: a corner index is not below the {positions} positions")
+            }
+            Self::TooMany => write!(f, "more than 2^31 primitives; split the scene"),
+        }
+    }
+}
+
+impl core::error::Error for GeometryError {}
+
+/// Parts that do not make a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneError {
+    /// The hierarchy was built for another number of primitives.
+    Bvh {
+        /// Primitives of the hierarchy.
+        built_for: usize,
+        /// Primitives of the geometry.
+        primitives: usize,
+    },
+    /// Not one set of attributes per triangle.
+    Attributes {
+        /// How many sets there are.
+        attributes: usize,
+        /// How many triangles there are.
+        triangles: usize,
+    },
+    /// A primitive's material index is out of range.
+    Material {
+        /// Which primitive.
+        primitive: usize,
+    },
+    /// A triangle's normal or texture coordinate index is out of range.
+    TriangleAttribute {
+        /// Which triangle.
+        index: usize,
+    },
+    /// A material's texture index is out of range.
+    Texture {
+        /// Which material.
+        material: usize,
+    },
+    /// A texture without texels, or with another number of them than its size says.
+    Texels {
+        /// Which texture.
+        index: usize,
+    },
+    /// A sphere light's sphere index is out of range.
+    Light {
+        /// Which light.
+        index: usize,
+    },
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bvh { built_for, primitives } => {
+                write!(f, "the BVH was built for {built_for} primitives, the scene has {primitives}; build it again")
+            }
+            Self::Attributes { attributes, triangles } => {
+                write!(f, "{attributes} triangle attributes for {triangles} triangles; give one for each")
+            }
+            Self::Material { primitive } => write!(f, "primitive {primitive}: no such material"),
+            Self::TriangleAttribute { index } => write!(f, "triangle {index}: no such normal or texture coordinate"),
+            Self::Texture { material } => write!(f, "material {material}: no such texture"),
+            Self::Texels { index } => write!(f, "texture {index}: width x height must equal its texels, not zero"),
+            Self::Light { index } => write!(f, "light {index}: no such sphere"),
+        }
+    }
+}
+
+impl core::error::Error for SceneError {}
+
+/// A camera that sees nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CameraError {
+    /// A value is NaN or infinite.
+    NotFinite,
+    /// Zero pixels across or down, or more than 65,535.
+    Size,
+    /// The field of view is not between 0 and pi.
+    FieldOfView,
+    /// The position and the point it looks at are the same, or up is parallel to the view.
+    Orientation,
+    /// A negative aperture radius, or one with a focal distance that is not positive.
+    Lens,
+    /// A negative filter width.
+    Filter,
+}
+
+impl fmt::Display for CameraError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotFinite => "camera: a value is NaN or infinite",
+            Self::Size => "camera: width and height must be 1..=65535 pixels",
+            Self::FieldOfView => "camera: the field of view must lie between 0 and pi",
+            Self::Orientation => {
+                "camera: it must look somewhere else than where it stands, and up must differ from that"
+            }
+            Self::Lens => "camera: the aperture radius must not be negative, the focal distance positive",
+            Self::Filter => "camera: the filter's width must not be negative",
+        })
+    }
+}
+
+impl core::error::Error for CameraError {}

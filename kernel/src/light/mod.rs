@@ -1,0 +1,78 @@
+//! Lights that are sampled. ADD A LIGHT HERE.
+//!
+//! Each light has `sample`: from a surface point and two numbers to a [`LightSample`].
+
+pub mod point;
+pub mod sphere;
+
+pub use point::PointLight;
+pub use sphere::{LightSampling, SphereLight};
+
+use crate::effects::{EffectSet, Effects};
+use crate::material::diffuse;
+use crate::path::PathOptions;
+use crate::ray::Ray;
+use crate::real::{Real, Vec3, Vector};
+use crate::robust::{offset_ray_origin, shadow_tmax};
+use crate::scene::Scene;
+use crate::surface::SurfacePoint;
+
+/// A light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light<R: Real> {
+    /// An isotropic point.
+    Point(PointLight<R>),
+    /// A sphere of the scene whose material emits.
+    Sphere(SphereLight),
+}
+
+/// A sampled direction to a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSample<R: Real> {
+    /// Unit direction from the surface to the light.
+    pub wi: Vec3<R>,
+    /// Where the shadow ray ends: on the light, off its surface.
+    pub target: Vec3<R>,
+    /// Radiance over pdf per steradian (surfaces), intensity over squared distance (points).
+    pub weight: Vec3<R>,
+}
+
+/// The light that reaches a diffuse surface of albedo 1 and leaves it toward the viewer: the sum over all lights.
+///
+/// Every light uses the same two numbers, moved by a constant of its own around the unit square: each estimate is
+/// unbiased by itself, hence so is the sum. Adds the shadow rays to `rays`.
+#[inline]
+pub(crate) fn direct<R: Real, E: EffectSet>(
+    scene: &Scene<'_, R>,
+    options: &PathOptions,
+    point: &SurfacePoint<R>,
+    numbers: [u32; 4],
+    rays: &mut u32,
+) -> Vec3<R> {
+    let mut sum = Vec3::<R>::ZERO;
+    for (index, light) in scene.lights().iter().enumerate() {
+        // Steps of the R2 sequence (Roberts 2018): neighbouring lights land far apart.
+        let shift = index as u32;
+        let u = R::from_unit_bits(numbers[0].wrapping_add(shift.wrapping_mul(0xC13F_A9A9)));
+        let v = R::from_unit_bits(numbers[1].wrapping_add(shift.wrapping_mul(0x91E1_0DA5)));
+        let sampled = match light {
+            Light::Point(light) if const { E::EFFECTS.contains(Effects::POINT_LIGHT) } => light.sample(point),
+            Light::Sphere(light) if const { E::EFFECTS.contains(Effects::SPHERE_LIGHT) } => {
+                light.sample(scene, options.light_sampling, point, u, v)
+            }
+            _ => None,
+        };
+        let Some(sampled) = sampled else { continue };
+        let cosine = diffuse::cosine(point, sampled.wi);
+        if cosine == R::ZERO {
+            continue;
+        }
+        let origin = offset_ray_origin::<R>(point.p, point.p_error, point.ng, sampled.wi);
+        let shadow = Ray { tmax: shadow_tmax::<R>(), ..Ray::new(origin, sampled.target - origin) };
+        *rays += 1;
+        if !scene.occluded_in::<E>(&shadow) {
+            sum = sum + sampled.weight * (cosine * R::from_f64(core::f64::consts::FRAC_1_PI));
+        }
+    }
+    sum
+}

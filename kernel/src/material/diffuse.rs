@@ -1,0 +1,32 @@
+//! Lambertian reflection: `f = albedo / pi`, on both sides.
+
+use super::BsdfSample;
+use crate::real::{Real, Vec3, Vector};
+use crate::surface::SurfacePoint;
+use crate::warp::{cosine_hemisphere, to_world};
+
+/// A Lambertian surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Diffuse<R: Real> {
+    /// Reflected fraction per channel, linear, 0..=1; multiplies the texture.
+    pub albedo: Vec3<R>,
+    /// Index of the texture.
+    pub texture: Option<u32>,
+}
+
+/// The cosine between `wi` and the shading normal, or 0 where `wi` leaves on the other side than `wo`, by either
+/// normal: no light passes through.
+#[inline]
+pub(crate) fn cosine<R: Real>(point: &SurfacePoint<R>, wi: Vec3<R>) -> R {
+    let (ng, ns) = point.toward_viewer();
+    let cosine = ns.dot(wi);
+    if cosine > R::ZERO && ng.dot(wi) > R::ZERO { cosine } else { R::ZERO }
+}
+
+/// A direction with the density of the cosine; the weight is the albedo. `None` where it would pass the surface.
+#[inline]
+pub(crate) fn sample<R: Real>(point: &SurfacePoint<R>, albedo: Vec3<R>, u: R, v: R) -> Option<BsdfSample<R>> {
+    let (ng, ns) = point.toward_viewer();
+    let wi = to_world::<R>(ns, cosine_hemisphere(u, v));
+    (ng.dot(wi) > R::ZERO).then_some(BsdfSample { wi, weight: albedo, delta: false })
+}

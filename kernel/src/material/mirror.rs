@@ -1,0 +1,30 @@
+//! Perfect mirrors.
+
+use super::BsdfSample;
+use crate::real::{Real, Vec3, Vector};
+use crate::robust::normalize;
+use crate::surface::SurfacePoint;
+
+/// A perfect mirror.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mirror<R: Real> {
+    /// Reflected fraction per channel, linear, 0..=1.
+    pub reflectance: Vec3<R>,
+}
+
+/// `wo` mirrored about the unit vector `n`, at length 1 again so that long chains do not drift.
+#[inline]
+fn reflect<R: Real>(wo: Vec3<R>, n: Vec3<R>) -> Vec3<R> {
+    let along = wo.dot(n);
+    normalize::<R>(n * (along + along) - wo)
+}
+
+/// The mirrored direction: about the shading normal, or about the geometric one where the first would pass the
+/// surface.
+#[inline]
+pub(crate) fn sample<R: Real>(point: &SurfacePoint<R>, mirror: &Mirror<R>) -> BsdfSample<R> {
+    let (ng, ns) = point.toward_viewer();
+    let about_ns = reflect::<R>(point.wo, ns);
+    let wi = if ng.dot(about_ns) > R::ZERO { about_ns } else { reflect::<R>(point.wo, ng) };
+    BsdfSample { wi, weight: mirror.reflectance, delta: true }
+}

@@ -1,0 +1,172 @@
+//! The whole path loop.
+
+use crate::effects::{EffectSet, Effects};
+use crate::light::{self, LightSampling};
+use crate::material::{Diffuse, Fresnel, Scattering, dielectric, diffuse, mirror};
+use crate::ray::Ray;
+use crate::real::{Real, Vec3, Vector};
+use crate::robust::offset_ray_origin;
+use crate::sampler::{Block, Sampler};
+use crate::scene::Scene;
+use crate::surface::{SurfacePoint, surface_point};
+
+/// Which light transport is simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathOptions {
+    /// Scattering events a path may have: 0 shows emitters only, 1 direct light. A light that is reached after the
+    /// last event still counts.
+    pub max_bounces: u32,
+    /// `false` ends a path at its first diffuse hit, after direct light.
+    pub indirect: bool,
+    /// How spherical lights are sampled.
+    pub light_sampling: LightSampling,
+    /// How dielectrics share light between reflection and refraction.
+    pub fresnel: Fresnel,
+    /// Scattering events after which paths may end at random, unbiased; `None` never.
+    pub roulette_after: Option<u32>,
+    /// Seed of the sample numbers.
+    pub seed: u64,
+}
+
+impl Default for PathOptions {
+    fn default() -> Self {
+        Self {
+            max_bounces: 7,
+            indirect: true,
+            light_sampling: LightSampling::Cone,
+            fresnel: Fresnel::Exact,
+            roulette_after: None,
+            seed: 0,
+        }
+    }
+}
+
+impl PathOptions {
+    /// The effects that these options need.
+    pub fn required_effects(&self) -> Effects {
+        Effects::INDIRECT.when(self.indirect).union(Effects::ROULETTE.when(self.roulette_after.is_some()))
+    }
+}
+
+/// The radiance that one path found, and the ray queries it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathSample<R: Real> {
+    /// Linear Rec.709 radiance along the first ray.
+    pub radiance: Vec3<R>,
+    /// Number of ray queries.
+    pub rays: u32,
+}
+
+/// Follows one path from `ray` through `scene`. The sampler stands at vertex 0, whose numbers made the ray.
+#[inline]
+pub fn radiance<R: Real, E: EffectSet>(
+    scene: &Scene<'_, R>,
+    options: &PathOptions,
+    mut ray: Ray<R>,
+    sampler: &mut impl Sampler,
+) -> PathSample<R> {
+    let (mut radiance, mut throughput, mut rays) = (Vec3::<R>::ZERO, Vec3::<R>::ONE, 0);
+    // Whether a sampled light that the ray meets has yet to be counted: not after a diffuse bounce.
+    let mut sees_lights = true;
+    for bounce in 0..=options.max_bounces {
+        if bounce == options.max_bounces && !last_segment_counts(scene, sees_lights) {
+            break;
+        }
+        rays += 1;
+        let Some(hit) = scene.intersect_in::<E>(&ray) else {
+            if const { E::EFFECTS.contains(Effects::BACKGROUND) } {
+                radiance = radiance + throughput * scene.background();
+            }
+            break;
+        };
+        let point = surface_point::<R, E>(scene, &ray, &hit);
+        let material = &scene.materials()[point.material as usize];
+        if const { E::EFFECTS.intersects(Effects::EMISSION.union(Effects::SPHERE_LIGHT)) }
+            && material.is_emissive()
+            && (sees_lights || !scene.is_light(hit.primitive))
+        {
+            radiance = radiance + throughput * material.emission;
+        }
+        if bounce == options.max_bounces {
+            break;
+        }
+
+        sampler.begin_vertex(bounce + 1);
+        let numbers = sampler.numbers(Block::Scatter);
+        let sample = match &material.scattering {
+            Scattering::Mirror(glossy) if const { E::EFFECTS.contains(Effects::MIRROR) } => {
+                mirror::sample(&point, glossy)
+            }
+            Scattering::Dielectric(glass) if const { E::EFFECTS.contains(Effects::GLASS) } => {
+                dielectric::sample(&point, glass, options.fresnel, numbers[2])
+            }
+            Scattering::Diffuse(surface) => {
+                let albedo = albedo::<R, E>(scene, &point, surface);
+                if albedo == Vec3::<R>::ZERO {
+                    break;
+                }
+                if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
+                    let light = sampler.numbers(Block::Light);
+                    let arriving = light::direct::<R, E>(scene, options, &point, light, &mut rays);
+                    radiance = radiance + throughput * albedo * arriving;
+                }
+                if !(const { E::EFFECTS.contains(Effects::INDIRECT) } && options.indirect) {
+                    break;
+                }
+                let [u, v] = [numbers[0], numbers[1]].map(R::from_unit_bits);
+                match diffuse::sample(&point, albedo, u, v) {
+                    Some(sample) => sample,
+                    None => break,
+                }
+            }
+            _ => break,
+        };
+        throughput = throughput * sample.weight;
+        if const { E::EFFECTS.contains(Effects::ROULETTE) }
+            && options.roulette_after.is_some_and(|after| bounce >= after)
+        {
+            match survive::<R>(throughput, numbers[3]) {
+                Some(compensated) => throughput = compensated,
+                None => break,
+            }
+        }
+        sees_lights = sample.delta || options.light_sampling == LightSampling::None;
+        ray = Ray::new(offset_ray_origin::<R>(point.p, point.p_error, point.ng, sample.wi), sample.wi);
+    }
+    PathSample { radiance, rays }
+}
+
+/// Whether the segment after the last scattering event can add anything: it can only end at light.
+#[inline]
+fn last_segment_counts<R: Real>(scene: &Scene<'_, R>, sees_lights: bool) -> bool {
+    let effects = scene.required_effects();
+    effects.intersects(Effects::EMISSION.union(Effects::BACKGROUND))
+        || (sees_lights && effects.contains(Effects::SPHERE_LIGHT))
+}
+
+/// Albedo of a diffuse surface at a point, with its texture.
+#[inline]
+fn albedo<R: Real, E: EffectSet>(scene: &Scene<'_, R>, point: &SurfacePoint<R>, surface: &Diffuse<R>) -> Vec3<R> {
+    match surface.texture {
+        Some(texture) if const { E::EFFECTS.contains(Effects::TEXTURES) } => {
+            surface.albedo * scene.textures()[texture as usize].lookup(point.uv)
+        }
+        _ => surface.albedo,
+    }
+}
+
+/// Roulette: the path lives with the probability of its largest throughput (at least 1/20, so that no weight grows
+/// beyond 20), and what lives is worth more in turn. Unbiased.
+#[inline]
+fn survive<R: Real>(throughput: Vec3<R>, number: u32) -> Option<Vec3<R>> {
+    let least = R::from_f64(0.05);
+    let largest = throughput.max_component();
+    let probability = if largest > least { largest } else { least };
+    if probability >= R::ONE {
+        Some(throughput)
+    } else if R::from_unit_bits(number) < probability {
+        Some(throughput * (R::ONE / probability))
+    } else {
+        None
+    }
+}

@@ -1,0 +1,525 @@
+//! Precision is chosen here: the sealed trait [`Real`] for f32 and f64, and their three-component vectors.
+//!
+//! Every operation is one IEEE 754 operation, an exact bit operation, or a routine of this file or of the `libm`
+//! crate, so that its result is the same on every target.
+
+use core::fmt::Debug;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+mod sealed {
+    /// Keeps [`super::Real`] closed.
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// A floating-point precision: f32 or f64.
+pub trait Real:
+    sealed::Sealed
+    + Copy
+    + Default
+    + Debug
+    + PartialEq
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + Send
+    + Sync
+    + 'static
+{
+    /// Three components of this precision.
+    type Vec3: Vector<Self>;
+    /// The precision in which f32 forms what must be exact; f64 for both.
+    type Wide: Real<Wide = Self::Wide>;
+    /// Whether [`Real::Wide`] adds no bits, so that a formula has to be stable by itself.
+    const WIDE_IS_SELF: bool;
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// The largest finite value.
+    const MAX: Self;
+    /// The smallest finite value, `-MAX`.
+    const LOWEST: Self;
+    /// Unit roundoff: half the distance from 1 to the next larger value.
+    const UNIT_ROUNDOFF: Self;
+    /// The nearest value to `x`.
+    fn from_f64(x: f64) -> Self;
+    /// The same value in f64; exact.
+    fn to_f64(self) -> f64;
+    /// The nearest f32.
+    fn to_f32(self) -> f32;
+    /// `bits / 2^32`, rounded down to this precision, hence in `0 <= x < 1`.
+    fn from_unit_bits(bits: u32) -> Self;
+    /// The same value in the wide precision; exact.
+    fn widen(self) -> Self::Wide;
+    /// The nearest value to a wide one.
+    fn narrow(wide: Self::Wide) -> Self;
+    /// Correctly rounded square root; NaN below zero.
+    fn sqrt(self) -> Self;
+    /// Magnitude; exact.
+    fn abs(self) -> Self;
+    /// Largest integer not above; exact.
+    fn floor(self) -> Self;
+    /// The nearest i32, clamped to its range; NaN gives 0.
+    fn to_i32(self) -> i32;
+    /// This magnitude with the sign bit of `sign`.
+    fn copysign(self, sign: Self) -> Self;
+    /// Whether the sign bit is set (-0 included).
+    fn is_sign_negative(self) -> bool;
+    /// Neither NaN nor infinite.
+    fn is_finite(self) -> bool;
+    /// The next larger value; bitwise.
+    fn next_up(self) -> Self;
+    /// The next smaller value; bitwise.
+    fn next_down(self) -> Self;
+    /// `a * b - c * d` whose sign is exact as long as no product over- or underflows.
+    ///
+    /// f32: the products are exact in f64. f64: both products are split into value and error (Dekker 1971).
+    fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> Self::Wide;
+    /// Sine and cosine of `2 pi self`, for `0 <= self <= 1`, within 1 ulp of 1.
+    fn sin_cos_turns(self) -> (Self, Self);
+    /// Natural logarithm, from the `libm` crate.
+    fn ln(self) -> Self;
+}
+
+/// Three components. Only arithmetic whose order is written here or in the caller.
+pub trait Vector<R: Real>:
+    Copy
+    + Default
+    + Debug
+    + PartialEq
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<R, Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + Send
+    + Sync
+    + 'static
+{
+    /// (0, 0, 0).
+    const ZERO: Self;
+    /// (1, 1, 1).
+    const ONE: Self;
+    /// From components.
+    fn new(x: R, y: R, z: R) -> Self;
+    /// All components equal.
+    fn splat(value: R) -> Self;
+    /// First component.
+    fn x(self) -> R;
+    /// Second component.
+    fn y(self) -> R;
+    /// Third component.
+    fn z(self) -> R;
+    /// Scalar product, `(x x' + y y') + z z'`.
+    fn dot(self, other: Self) -> R;
+    /// Vector product.
+    fn cross(self, other: Self) -> Self;
+    /// Magnitude of each component.
+    fn abs(self) -> Self;
+
+    /// As an array.
+    #[inline]
+    fn to_array(self) -> [R; 3] {
+        [self.x(), self.y(), self.z()]
+    }
+
+    /// From an array.
+    #[inline]
+    fn from_array([x, y, z]: [R; 3]) -> Self {
+        Self::new(x, y, z)
+    }
+
+    /// Whether no component is NaN or infinite.
+    #[inline]
+    fn is_finite(self) -> bool {
+        self.x().is_finite() && self.y().is_finite() && self.z().is_finite()
+    }
+
+    /// The largest component; a NaN loses.
+    #[inline]
+    fn max_component(self) -> R {
+        greater(greater(self.x(), self.y()), self.z())
+    }
+}
+
+/// A vector of precision `R`.
+pub type Vec3<R> = <R as Real>::Vec3;
+/// A vector of the precision in which `R` forms what must be exact.
+pub type WideVec3<R> = <<R as Real>::Wide as Real>::Vec3;
+
+/// The smaller of two; the first where they compare equal or not at all.
+#[inline]
+pub fn lesser<R: Real>(a: R, b: R) -> R {
+    if b < a { b } else { a }
+}
+
+/// The larger of two; the first where they compare equal or not at all.
+#[inline]
+pub fn greater<R: Real>(a: R, b: R) -> R {
+    if b > a { b } else { a }
+}
+
+/// The same vector in the wide precision; exact.
+#[inline]
+pub fn widen<R: Real>(v: Vec3<R>) -> WideVec3<R> {
+    Vector::new(v.x().widen(), v.y().widen(), v.z().widen())
+}
+
+/// The nearest vector to a wide one.
+#[inline]
+pub fn narrow<R: Real>(v: WideVec3<R>) -> Vec3<R> {
+    Vector::new(R::narrow(v.x()), R::narrow(v.y()), R::narrow(v.z()))
+}
+
+/// From f64 components, each rounded to nearest.
+#[inline]
+pub fn vec3_from_f64<R: Real>(v: [f64; 3]) -> Vec3<R> {
+    Vector::new(R::from_f64(v[0]), R::from_f64(v[1]), R::from_f64(v[2]))
+}
+
+/// `a * b` as value and error, exactly (Dekker 1971, Veltkamp's splitting).
+#[inline]
+fn two_product(a: f64, b: f64) -> (f64, f64) {
+    const SPLIT: f64 = 134_217_729.0; // 2^27 + 1
+    let split = |x: f64| {
+        let c = SPLIT * x;
+        let high = c - (c - x);
+        (high, x - high)
+    };
+    let p = a * b;
+    let (a1, a2) = split(a);
+    let (b1, b2) = split(b);
+    (p, ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2)
+}
+
+/// `(-1)^k / (2 k + first)!` for the Taylor series of sine (`first` = 1) and cosine (`first` = 0).
+const fn taylor<const TERMS: usize>(first: u32) -> [f64; TERMS] {
+    let mut terms = [0.0; TERMS];
+    let mut k = 0;
+    while k < TERMS {
+        let (mut factorial, mut i) = (1.0, 2);
+        while i <= 2 * k as u32 + first {
+            factorial *= i as f64;
+            i += 1;
+        }
+        terms[k] = if k % 2 == 0 { 1.0 } else { -1.0 } / factorial;
+        k += 1;
+    }
+    terms
+}
+
+/// Sine and cosine of `2 pi turns`: exact reduction to an eighth of a turn, then `TERMS` terms of Taylor's series,
+/// then the quadrant's swap and signs by bit operations (no branch to predict).
+#[inline]
+fn sin_cos_turns<const TERMS: usize>(turns: f64) -> (f64, f64) {
+    let quadrant = (turns * 4.0 + 0.5) as u64;
+    let angle = (turns - quadrant as f64 * 0.25) * core::f64::consts::TAU;
+    let square = angle * angle;
+    let series = |terms: [f64; TERMS]| terms.iter().rev().fold(0.0, |sum, term| sum * square + term);
+    let sine = (series(const { taylor::<TERMS>(1) }) * angle).to_bits();
+    let cosine = series(const { taylor::<TERMS>(0) }).to_bits();
+    let swap = (sine ^ cosine) & 0u64.wrapping_sub(quadrant & 1);
+    let sine_sign = (quadrant & 2) << 62;
+    let cosine_sign = ((quadrant + 1) & 2) << 62;
+    (f64::from_bits(sine ^ swap ^ sine_sign), f64::from_bits(cosine ^ swap ^ cosine_sign))
+}
+
+impl Real for f32 {
+    type Vec3 = glam::Vec3;
+    type Wide = f64;
+    const WIDE_IS_SELF: bool = false;
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const MAX: Self = f32::MAX;
+    const LOWEST: Self = f32::MIN;
+    const UNIT_ROUNDOFF: Self = f32::EPSILON * 0.5;
+
+    #[inline]
+    fn from_f64(x: f64) -> Self {
+        x as f32
+    }
+
+    #[inline]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+
+    #[inline]
+    fn to_f32(self) -> f32 {
+        self
+    }
+
+    #[inline]
+    fn from_unit_bits(bits: u32) -> Self {
+        (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+    }
+
+    #[inline]
+    fn widen(self) -> f64 {
+        f64::from(self)
+    }
+
+    #[inline]
+    fn narrow(wide: f64) -> Self {
+        wide as f32
+    }
+
+    #[inline]
+    fn sqrt(self) -> Self {
+        libm::sqrtf(self)
+    }
+
+    #[inline]
+    fn abs(self) -> Self {
+        f32::abs(self)
+    }
+
+    #[inline]
+    fn floor(self) -> Self {
+        libm::floorf(self)
+    }
+
+    #[inline]
+    fn to_i32(self) -> i32 {
+        self as i32
+    }
+
+    #[inline]
+    fn copysign(self, sign: Self) -> Self {
+        f32::copysign(self, sign)
+    }
+
+    #[inline]
+    fn is_sign_negative(self) -> bool {
+        f32::is_sign_negative(self)
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        f32::is_finite(self)
+    }
+
+    #[inline]
+    fn next_up(self) -> Self {
+        f32::next_up(self)
+    }
+
+    #[inline]
+    fn next_down(self) -> Self {
+        f32::next_down(self)
+    }
+
+    #[inline]
+    fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> f64 {
+        f64::from(a) * f64::from(b) - f64::from(c) * f64::from(d)
+    }
+
+    #[inline]
+    fn sin_cos_turns(self) -> (Self, Self) {
+        let (sine, cosine) = sin_cos_turns::<6>(f64::from(self));
+        (sine as f32, cosine as f32)
+    }
+
+    #[inline]
+    fn ln(self) -> Self {
+        libm::logf(self)
+    }
+}
+
+impl Real for f64 {
+    type Vec3 = glam::DVec3;
+    type Wide = f64;
+    const WIDE_IS_SELF: bool = true;
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    const MAX: Self = f64::MAX;
+    const LOWEST: Self = f64::MIN;
+    const UNIT_ROUNDOFF: Self = f64::EPSILON * 0.5;
+
+    #[inline]
+    fn from_f64(x: f64) -> Self {
+        x
+    }
+
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self
+    }
+
+    #[inline]
+    fn to_f32(self) -> f32 {
+        self as f32
+    }
+
+    #[inline]
+    fn from_unit_bits(bits: u32) -> Self {
+        f64::from(bits) * (1.0 / 4_294_967_296.0)
+    }
+
+    #[inline]
+    fn widen(self) -> f64 {
+        self
+    }
+
+    #[inline]
+    fn narrow(wide: f64) -> Self {
+        wide
+    }
+
+    #[inline]
+    fn sqrt(self) -> Self {
+        libm::sqrt(self)
+    }
+
+    #[inline]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+
+    #[inline]
+    fn floor(self) -> Self {
+        libm::floor(self)
+    }
+
+    #[inline]
+    fn to_i32(self) -> i32 {
+        self as i32
+    }
+
+    #[inline]
+    fn copysign(self, sign: Self) -> Self {
+        f64::copysign(self, sign)
+    }
+
+    #[inline]
+    fn is_sign_negative(self) -> bool {
+        f64::is_sign_negative(self)
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+
+    #[inline]
+    fn next_up(self) -> Self {
+        f64::next_up(self)
+    }
+
+    #[inline]
+    fn next_down(self) -> Self {
+        f64::next_down(self)
+    }
+
+    #[inline]
+    fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> f64 {
+        let (p, p_error) = two_product(a, b);
+        let (q, q_error) = two_product(c, d);
+        (p - q) + (p_error - q_error)
+    }
+
+    #[inline]
+    fn sin_cos_turns(self) -> (Self, Self) {
+        sin_cos_turns::<10>(self)
+    }
+
+    #[inline]
+    fn ln(self) -> Self {
+        libm::log(self)
+    }
+}
+
+/// The same forwarding for both of glam's plain scalar vectors.
+macro_rules! vector {
+    ($real:ty, $vector:ty) => {
+        impl Vector<$real> for $vector {
+            const ZERO: Self = <$vector>::ZERO;
+            const ONE: Self = <$vector>::ONE;
+
+            #[inline]
+            fn new(x: $real, y: $real, z: $real) -> Self {
+                <$vector>::new(x, y, z)
+            }
+
+            #[inline]
+            fn splat(value: $real) -> Self {
+                <$vector>::splat(value)
+            }
+
+            #[inline]
+            fn x(self) -> $real {
+                self.x
+            }
+
+            #[inline]
+            fn y(self) -> $real {
+                self.y
+            }
+
+            #[inline]
+            fn z(self) -> $real {
+                self.z
+            }
+
+            #[inline]
+            fn dot(self, other: Self) -> $real {
+                <$vector>::dot(self, other)
+            }
+
+            #[inline]
+            fn cross(self, other: Self) -> Self {
+                <$vector>::cross(self, other)
+            }
+
+            #[inline]
+            fn abs(self) -> Self {
+                <$vector>::new(self.x.abs(), self.y.abs(), self.z.abs())
+            }
+        }
+    };
+}
+
+vector!(f32, glam::Vec3);
+vector!(f64, glam::DVec3);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sine_and_cosine_are_within_an_ulp_of_libm() {
+        for i in 0..=100_000u32 {
+            let turns = f64::from(i) / 100_000.0;
+            let angle = core::f64::consts::TAU * turns;
+            let (sine, cosine) = turns.sin_cos_turns();
+            assert!((sine - libm::sin(angle)).abs() < 1e-15, "sin of {turns} turns: {sine}");
+            assert!((cosine - libm::cos(angle)).abs() < 1e-15, "cos of {turns} turns: {cosine}");
+            let turns = turns as f32;
+            let (s, c) = turns.sin_cos_turns();
+            let angle = core::f64::consts::TAU * f64::from(turns);
+            assert!((f64::from(s) - libm::sin(angle)).abs() <= 6e-8, "sin of {turns} turns: {s}");
+            assert!((f64::from(c) - libm::cos(angle)).abs() <= 6e-8, "cos of {turns} turns: {c}");
+        }
+    }
+
+    #[test]
+    fn unit_numbers_never_reach_one() {
+        assert_eq!(f32::from_unit_bits(u32::MAX), 1.0 - f32::UNIT_ROUNDOFF);
+        assert!(f64::from_unit_bits(u32::MAX) < 1.0);
+        assert_eq!(f32::from_unit_bits(0), 0.0);
+    }
+
+    #[test]
+    fn difference_of_products_has_the_exact_sign() {
+        // (1 + e)(1 - e) - 1 = -e^2, which rounding each product alone would lose.
+        let e = f32::EPSILON;
+        assert!(f32::difference_of_products(1.0 + e, 1.0 - e, 1.0, 1.0) < 0.0);
+        let e = f64::EPSILON;
+        assert_eq!(f64::difference_of_products(1.0 + e, 1.0 - e, 1.0, 1.0), -e * e);
+    }
+}

@@ -1,0 +1,90 @@
+//! Every error bound of the kernel, each derived from unit roundoff; none is tuned.
+
+use crate::real::{Real, Vec3, Vector, narrow, widen};
+
+/// `n u / (1 - n u)`, the bound on the relative error of `n` roundings (Higham 2002, section 3.1).
+#[inline]
+pub fn gamma<R: Real>(n: u32) -> R {
+    let nu = R::from_f64(f64::from(n)) * R::UNIT_ROUNDOFF;
+    nu / (R::ONE - nu)
+}
+
+/// Factor that makes the far side of a slab conservative: `1 + 2 gamma(3)` (Ize 2013).
+#[inline]
+pub fn slab_far_padding<R: Real>() -> R {
+    R::ONE + gamma::<R>(3) + gamma::<R>(3)
+}
+
+/// Factor that makes the near side of a slab conservative: `1 - 2 gamma(3)`.
+#[inline]
+pub fn slab_near_padding<R: Real>() -> R {
+    R::ONE - gamma::<R>(3) - gamma::<R>(3)
+}
+
+/// Largest parameter of a shadow ray that runs from t = 0 to its light at t = 1.
+#[inline]
+pub fn shadow_tmax<R: Real>() -> R {
+    R::ONE - gamma::<R>(4) - gamma::<R>(4)
+}
+
+/// `v` at length 1, formed in the wide precision. The zero vector stays zero.
+#[inline]
+pub fn normalize<R: Real>(v: Vec3<R>) -> Vec3<R> {
+    narrow::<R>(normalize_wide::<R>(widen::<R>(v)))
+}
+
+/// [`normalize`] of a vector that already is in the wide precision.
+#[inline]
+pub fn normalize_wide<R: Real>(v: crate::real::WideVec3<R>) -> crate::real::WideVec3<R> {
+    let square = v.dot(v);
+    if square > R::Wide::ZERO { v * (R::Wide::ONE / square.sqrt()) } else { v }
+}
+
+/// A point off the surface at `p`, on the side that `w` leaves to, beyond the error box `p_error` of `p`
+/// (Pharr, Jakob, Humphreys, PBR 4ed, section 6.8.6). `ng` is the geometric normal, either side.
+///
+/// A ray that starts there cannot meet the plane it left, and starts O(u |p|) away from it at any scale.
+#[inline]
+pub fn offset_ray_origin<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>, w: Vec3<R>) -> Vec3<R> {
+    let distance = ng.abs().dot(p_error);
+    let distance = if w.dot(ng) < R::ZERO { -distance } else { distance };
+    let offset = ng * distance;
+    let moved = p + offset;
+    let outward = |x: R, by: R| {
+        if by > R::ZERO {
+            x.next_up()
+        } else if by < R::ZERO {
+            x.next_down()
+        } else {
+            x
+        }
+    };
+    Vector::new(outward(moved.x(), offset.x()), outward(moved.y(), offset.y()), outward(moved.z(), offset.z()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3 as V;
+
+    #[test]
+    fn offset_leaves_to_the_side_of_the_direction() {
+        let p = V::new(1e4, -3.0, 0.0);
+        let error = p.abs() * gamma::<f32>(7);
+        let ng = normalize::<f32>(V::new(1.0, 2.0, -0.5));
+        for w in [ng, -ng] {
+            let moved = offset_ray_origin::<f32>(p, error, ng, w);
+            assert!((moved - p).dot(w) > 0.0);
+            assert!((moved - p).abs().max_component() < 1e-2);
+        }
+    }
+
+    #[test]
+    fn normalize_is_unit_at_every_scale_f64_can_square() {
+        for k in -30..30 {
+            let v = V::new(3.0, -4.0, 12.0) * libm::ldexpf(1.0, k);
+            assert!((normalize::<f32>(v) - V::new(3.0, -4.0, 12.0) * (1.0 / 13.0)).abs().max_component() < 1e-7);
+        }
+        assert_eq!(normalize::<f32>(V::ZERO), V::ZERO);
+    }
+}

@@ -1,0 +1,136 @@
+//! Spheres: a quadratic that does not cancel (Haines, Günther, Akenine-Möller, Ray Tracing Gems 2019, chapter 7).
+
+use super::PreparedRay;
+use crate::bvh::Bounds;
+use crate::real::{Real, Vec3, Vector, narrow, widen};
+use crate::robust::{gamma, normalize_wide};
+
+/// A sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere<R: Real> {
+    /// Centre, scene units.
+    pub center: Vec3<R>,
+    /// Radius, scene units; positive.
+    pub radius: R,
+    /// Index of its material.
+    pub material: u32,
+    /// Whether its normal points to the centre: the inner wall of a hollow shell.
+    pub inverted: bool,
+}
+
+/// A point on a sphere.
+pub(crate) struct SpherePoint<R: Real> {
+    pub(crate) p: Vec3<R>,
+    pub(crate) p_error: Vec3<R>,
+    /// Unit, away from the centre.
+    pub(crate) outward: Vec3<R>,
+}
+
+impl<R: Real> Sphere<R> {
+    /// Its box, one rounding wider than computed.
+    #[inline]
+    pub fn bounds(&self) -> Bounds<R> {
+        let center = self.center.to_array();
+        Bounds { corners: [center.map(|c| (c - self.radius).next_down()), center.map(|c| (c + self.radius).next_up())] }
+    }
+
+    /// The nearest t in `tmin < t <= tmax`.
+    ///
+    /// The distance of the centre from the line is measured at the foot of its perpendicular, so that neither a far
+    /// origin nor a huge radius cancels; all in the wide precision. Where that adds no bits, the foot is refined once
+    /// and the root that would cancel is taken from the product of the roots.
+    #[inline]
+    pub fn intersect(&self, ray: &PreparedRay<R>, tmax: R) -> Option<R> {
+        let (d, inverse_square) = (ray.wide_direction, ray.inverse_square);
+        let to_center = widen::<R>(self.center) - ray.wide_origin;
+        let radius = self.radius.widen();
+        let mut t_foot = to_center.dot(d) * inverse_square;
+        let mut foot = to_center - d * t_foot;
+        if const { R::WIDE_IS_SELF } {
+            let correction = foot.dot(d) * inverse_square;
+            t_foot = t_foot + correction;
+            foot = foot - d * correction;
+        }
+        let foot_square = foot.dot(foot);
+        let radius_square = radius * radius;
+        if !(foot_square <= radius_square) {
+            return None;
+        }
+        let (near, far) = if const { R::WIDE_IS_SELF } {
+            let foot_length = foot_square.sqrt();
+            let half = ((radius - foot_length) * (radius + foot_length) * inverse_square).sqrt();
+            let stable = t_foot + half.copysign(t_foot);
+            let distance = to_center.dot(to_center).sqrt();
+            let product = (distance - radius) * (distance + radius) * inverse_square;
+            let other = if stable == R::Wide::ZERO { R::Wide::ZERO } else { product / stable };
+            if stable < other { (stable, other) } else { (other, stable) }
+        } else {
+            let half = ((radius_square - foot_square) * inverse_square).sqrt();
+            (t_foot - half, t_foot + half)
+        };
+        let (near, far) = (R::narrow(near), R::narrow(far));
+        let t = if near > ray.tmin { near } else { far };
+        if t > ray.tmin && t <= tmax { Some(t) } else { None }
+    }
+
+    /// The point of the sphere in the direction of `from_center` (wide, any length).
+    ///
+    /// The point is put on the sphere again, so that its error does not depend on how far the ray came
+    /// (PBR 4ed, section 6.8.5).
+    #[inline]
+    pub(crate) fn point_toward(&self, from_center: crate::real::WideVec3<R>) -> SpherePoint<R> {
+        let outward = narrow::<R>(normalize_wide::<R>(from_center));
+        let offset = outward * self.radius;
+        let p = self.center + offset;
+        SpherePoint { p, p_error: (self.center.abs() + offset.abs()) * gamma::<R>(5), outward }
+    }
+
+    /// The point where `ray` is at `t`.
+    #[inline]
+    pub(crate) fn point_at(&self, ray: &crate::ray::Ray<R>, t: R) -> SpherePoint<R> {
+        let from_center = widen::<R>(ray.origin) - widen::<R>(self.center);
+        self.point_toward(from_center + widen::<R>(ray.direction) * t.widen())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ray::Ray;
+    use glam::{DVec3, Vec3 as V};
+
+    fn hit(sphere: &Sphere<f32>, ray: &Ray<f32>) -> Option<f32> {
+        sphere.intersect(&PreparedRay::new(ray), ray.tmax)
+    }
+
+    #[test]
+    fn front_inside_behind_and_beside() {
+        let sphere = Sphere { center: V::new(0.0, 0.0, -5.0), radius: 2.0, material: 0, inverted: false };
+        let toward = |origin| hit(&sphere, &Ray::new(origin, V::new(0.0, 0.0, -2.0)));
+        assert_eq!(toward(V::ZERO), Some(1.5));
+        assert_eq!(toward(V::new(0.0, 0.0, -5.0)), Some(1.0));
+        assert_eq!(toward(V::new(0.0, 0.0, -8.0)), None);
+        assert_eq!(toward(V::new(2.5, 0.0, 0.0)), None);
+        let short = Ray { tmax: 1.25, ..Ray::new(V::ZERO, V::new(0.0, 0.0, -2.0)) };
+        assert_eq!(hit(&sphere, &short), None);
+    }
+
+    #[test]
+    fn far_and_huge_spheres_do_not_cancel() {
+        for (distance, radius) in [(1e6, 1.0), (1000.0, 940.0), (1e5 + 1.0, 1e5)] {
+            let sphere = Sphere::<f32> { center: V::new(0.0, 0.0, -distance), radius, material: 0, inverted: false };
+            let t = hit(&sphere, &Ray::new(V::ZERO, V::new(0.0, 0.0, -1.0))).unwrap();
+            assert!((t - (distance - radius)).abs() <= f32::EPSILON * (distance - radius), "{distance} {radius} {t}");
+            let sphere = Sphere::<f64> {
+                center: DVec3::new(0.0, 0.0, -f64::from(distance)),
+                radius: f64::from(radius),
+                material: 0,
+                inverted: false,
+            };
+            let ray = Ray::<f64>::new(DVec3::new(0.0, 0.1, 0.0), DVec3::new(0.0, 0.0, -1.0));
+            let t = sphere.intersect(&PreparedRay::new(&ray), ray.tmax).unwrap();
+            let exact = f64::from(distance) - (sphere.radius * sphere.radius - 0.01).sqrt();
+            assert!((t - exact).abs() <= 4.0 * f64::EPSILON * f64::from(distance), "{distance} {radius} {t}");
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Triangles: a watertight test (Woop, Benthin, Wald, JCGT 2:1, 2013) whose edge signs are exact.
+//!
+//! Edges shared by two triangles are computed from the same two sheared corners, so both see the same number; its
+//! sign is that of the exact difference, because the products are formed in the wide precision. No ray that crosses
+//! a closed mesh can pass between its triangles.
+
+use super::PreparedRay;
+use crate::bvh::Bounds;
+use crate::ray::Ray;
+use crate::real::{Real, Vec3, Vector};
+
+/// What a triangle has beside its corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TriangleAttributes {
+    /// Vertex normals, by index; `None` for a flat triangle.
+    pub normals: Option<[u32; 3]>,
+    /// Texture coordinates, by index.
+    pub uvs: Option<[u32; 3]>,
+    /// Index of its material.
+    pub material: u32,
+}
+
+/// The shear that takes a ray's direction to +z, with its axes permuted so that z is the largest.
+#[derive(Clone, Copy, Debug)]
+pub struct Shear<R: Real> {
+    /// The axis along which the direction is longest.
+    longest: u8,
+    x: R,
+    y: R,
+    z: R,
+}
+
+/// The components of `v` in the order (next, next but one, `longest`).
+#[inline]
+fn permute<R: Real>(v: Vec3<R>, longest: u8) -> [R; 3] {
+    match longest {
+        0 => [v.y(), v.z(), v.x()],
+        1 => [v.z(), v.x(), v.y()],
+        _ => [v.x(), v.y(), v.z()],
+    }
+}
+
+impl<R: Real> Shear<R> {
+    /// The shear of a ray's direction.
+    #[inline]
+    pub(super) fn new(ray: &Ray<R>) -> Self {
+        let size = ray.direction.abs();
+        let longest = if size.x() > size.y() {
+            if size.x() > size.z() { 0 } else { 2 }
+        } else if size.y() > size.z() {
+            1
+        } else {
+            2
+        };
+        let [x, y, z] = permute::<R>(ray.direction, longest);
+        Self { longest, x: x / z, y: y / z, z: R::ONE / z }
+    }
+}
+
+/// The box of a triangle.
+#[inline]
+pub fn bounds<R: Real>(corners: &[Vec3<R>; 3]) -> Bounds<R> {
+    let mut bounds = Bounds::EMPTY;
+    for corner in corners {
+        bounds.grow(*corner);
+    }
+    bounds
+}
+
+/// `(t, u, v)` in `tmin < t <= tmax`, with u and v the weights of the second and third corner.
+///
+/// Both sides count, edges and corners count. Triangles without area and with NaN corners do not.
+#[inline]
+pub fn intersect<R: Real>(corners: &[Vec3<R>; 3], ray: &PreparedRay<R>, tmax: R) -> Option<(R, R, R)> {
+    let shear = &ray.shear;
+    let origin = Vec3::<R>::from_array(ray.origin);
+    // Each sheared corner depends on that corner and the ray alone.
+    let [a, b, c] = corners.map(|corner| {
+        let [x, y, z] = permute::<R>(corner - origin, shear.longest);
+        [x - shear.x * z, y - shear.y * z, z]
+    });
+    let u = R::difference_of_products(c[0], b[1], c[1], b[0]);
+    let v = R::difference_of_products(a[0], c[1], a[1], c[0]);
+    let w = R::difference_of_products(b[0], a[1], b[1], a[0]);
+    let zero = R::Wide::ZERO;
+    // Written so that a NaN fails both.
+    if !((u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero)) {
+        return None;
+    }
+    let determinant = u + v + w;
+    if determinant == zero {
+        return None;
+    }
+    let inverse = R::Wide::ONE / determinant;
+    let depth = u * a[2].widen() + v * b[2].widen() + w * c[2].widen();
+    let t = R::narrow(depth * inverse * shear.z.widen());
+    if t > ray.tmin && t <= tmax { Some((t, R::narrow(v * inverse), R::narrow(w * inverse))) } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3 as V;
+
+    const CORNERS: [V; 3] = [V::new(0.0, 0.0, -4.0), V::new(2.0, 0.0, -4.0), V::new(0.0, 2.0, -4.0)];
+
+    fn hit(corners: &[V; 3], origin: V, direction: V) -> Option<(f32, f32, f32)> {
+        let ray = Ray::<f32>::new(origin, direction);
+        intersect(corners, &PreparedRay::new(&ray), ray.tmax)
+    }
+
+    #[test]
+    fn weights_belong_to_second_and_third_corner() {
+        let found = hit(&CORNERS, V::new(0.5, 0.25, 0.0), V::new(0.0, 0.0, -2.0));
+        assert_eq!(found, Some((2.0, 0.25, 0.125)));
+        let back = hit(&CORNERS, V::new(0.5, 0.25, -8.0), V::new(0.0, 0.0, 1.0));
+        assert_eq!(back, Some((4.0, 0.25, 0.125)));
+    }
+
+    #[test]
+    fn corners_and_edges_are_inside() {
+        for target in [CORNERS[0], CORNERS[1], CORNERS[2], (CORNERS[0] + CORNERS[1]) * 0.5] {
+            assert!(hit(&CORNERS, V::ZERO, target).is_some(), "{target}");
+        }
+    }
+
+    #[test]
+    fn degenerate_triangles_are_never_hit() {
+        let line = [CORNERS[0], CORNERS[1], (CORNERS[0] + CORNERS[1]) * 0.5];
+        assert_eq!(hit(&line, V::ZERO, CORNERS[1]), None);
+        assert_eq!(hit(&[CORNERS[0]; 3], V::ZERO, CORNERS[0]), None);
+        let nan = [CORNERS[0], CORNERS[1], V::new(f32::NAN, 2.0, -4.0)];
+        assert_eq!(hit(&nan, V::new(0.5, 0.25, 0.0), V::new(0.0, 0.0, -1.0)), None);
+    }
+}

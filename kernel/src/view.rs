@@ -1,0 +1,76 @@
+//! A view of a scene and the loop over the samples of a stretch of pixels: what a host calls.
+
+use core::ops::Range;
+
+use crate::camera::Camera;
+use crate::effects::{EffectSet, Effects};
+use crate::film::{Pixel, to_sample};
+use crate::path::{PathOptions, PathSample, radiance};
+use crate::real::Real;
+use crate::sampler::{AddressedSampler, Block, Sampler};
+use crate::scene::Scene;
+
+/// A scene seen by a camera, with the light transport to simulate.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a, R: Real> {
+    /// What is seen.
+    pub scene: &'a Scene<'a, R>,
+    /// From where.
+    pub camera: &'a Camera<R>,
+    /// By which light.
+    pub options: &'a PathOptions,
+}
+
+/// What a stretch of work took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Paths followed: one per pixel and sample.
+    pub paths: u64,
+    /// Ray queries, closest and any.
+    pub rays: u64,
+}
+
+impl core::ops::Add for Work {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { paths: self.paths + other.paths, rays: self.rays + other.rays }
+    }
+}
+
+impl<R: Real> View<'_, R> {
+    /// The effects that a kernel must have to render this view.
+    pub fn required_effects(&self) -> Effects {
+        self.scene.required_effects().union(self.camera.required_effects()).union(self.options.required_effects())
+    }
+
+    /// Sample number `sample` of the pixel in column `x` and row `y`, with the kernel's own numbers.
+    #[inline]
+    pub fn sample<E: EffectSet>(&self, x: u32, y: u32, sample: u32) -> PathSample<R> {
+        self.sample_with::<E>(x, y, &mut AddressedSampler::new(self.options.seed, x, y, sample))
+    }
+
+    /// One sample of a pixel with numbers from anywhere.
+    #[inline]
+    pub fn sample_with<E: EffectSet>(&self, x: u32, y: u32, sampler: &mut impl Sampler) -> PathSample<R> {
+        sampler.begin_vertex(0);
+        let ray = self.camera.ray::<E>(x, y, sampler.numbers(Block::Scatter));
+        radiance::<R, E>(self.scene, self.options, ray, sampler)
+    }
+
+    /// Adds `samples` to each of `pixels`, which lie side by side from column `x` of row `y`.
+    ///
+    /// The result depends on nothing but the view and the sample numbers: not on the order of calls, on how pixels
+    /// and samples are split among them, or on `E`, as long as it has the view's [`View::required_effects`].
+    pub fn render<E: EffectSet>(&self, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work {
+        let mut work = Work::default();
+        for (column, pixel) in (x..).zip(pixels) {
+            for sample in samples.clone() {
+                let path = self.sample::<E>(column, y, sample);
+                pixel.add(to_sample::<R>(path.radiance));
+                work = work + Work { paths: 1, rays: u64::from(path.rays) };
+            }
+        }
+        work
+    }
+}
