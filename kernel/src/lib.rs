@@ -28,6 +28,7 @@ pub mod camera;
 pub mod effects;
 pub mod error;
 pub mod film;
+pub mod lanes;
 pub mod light;
 pub mod material;
 pub mod path;

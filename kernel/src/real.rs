@@ -32,6 +32,8 @@ pub trait Real:
 {
     /// Three components of this precision.
     type Vec3: Vector<Self>;
+    /// Four numbers of this precision, for conservative tests.
+    type Lanes: crate::lanes::Lanes<Self>;
     /// The precision in which f32 forms what must be exact; f64 for both.
     type Wide: Real<Wide = Self::Wide>;
     /// Whether [`Real::Wide`] adds no bits, so that a formula has to be stable by itself.
@@ -44,6 +46,8 @@ pub trait Real:
     const MAX: Self;
     /// The smallest finite value, `-MAX`.
     const LOWEST: Self;
+    /// The smallest positive value with a full significand.
+    const MIN_POSITIVE: Self;
     /// Unit roundoff: half the distance from 1 to the next larger value.
     const UNIT_ROUNDOFF: Self;
     /// The nearest value to `x`.
@@ -231,12 +235,14 @@ fn sin_cos_turns<const TERMS: usize>(turns: f64) -> (f64, f64) {
 
 impl Real for f32 {
     type Vec3 = glam::Vec3;
+    type Lanes = glam::Vec4;
     type Wide = f64;
     const WIDE_IS_SELF: bool = false;
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const MAX: Self = f32::MAX;
     const LOWEST: Self = f32::MIN;
+    const MIN_POSITIVE: Self = f32::MIN_POSITIVE;
     const UNIT_ROUNDOFF: Self = f32::EPSILON * 0.5;
 
     #[inline]
@@ -333,12 +339,14 @@ impl Real for f32 {
 
 impl Real for f64 {
     type Vec3 = glam::DVec3;
+    type Lanes = crate::lanes::F64x4;
     type Wide = f64;
     const WIDE_IS_SELF: bool = true;
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
     const MAX: Self = f64::MAX;
     const LOWEST: Self = f64::MIN;
+    const MIN_POSITIVE: Self = f64::MIN_POSITIVE;
     const UNIT_ROUNDOFF: Self = f64::EPSILON * 0.5;
 
     #[inline]

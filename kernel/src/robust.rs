@@ -1,6 +1,6 @@
 //! Every error bound of the kernel, each derived from unit roundoff; none is tuned.
 
-use crate::real::{Real, Vec3, Vector, narrow, widen};
+use crate::real::{Real, Vec3, Vector, WideVec3, narrow, widen};
 
 /// `n u / (1 - n u)`, the bound on the relative error of `n` roundings (Higham 2002, section 3.1).
 #[inline]
@@ -35,7 +35,7 @@ pub fn normalize<R: Real>(v: Vec3<R>) -> Vec3<R> {
 
 /// [`normalize`] of a vector that already is in the wide precision.
 #[inline]
-pub fn normalize_wide<R: Real>(v: crate::real::WideVec3<R>) -> crate::real::WideVec3<R> {
+pub fn normalize_wide<R: Real>(v: WideVec3<R>) -> WideVec3<R> {
     let square = v.dot(v);
     if square > R::Wide::ZERO { v * (R::Wide::ONE / square.sqrt()) } else { v }
 }
@@ -43,23 +43,13 @@ pub fn normalize_wide<R: Real>(v: crate::real::WideVec3<R>) -> crate::real::Wide
 /// A point off the surface at `p`, on the side that `w` leaves to, beyond the error box `p_error` of `p`
 /// (Pharr, Jakob, Humphreys, PBR 4ed, section 6.8.6). `ng` is the geometric normal, either side.
 ///
-/// A ray that starts there cannot meet the plane it left, and starts O(u |p|) away from it at any scale.
+/// A ray that starts there cannot meet the plane it left, and starts O(u |p|) away from it at any scale. Instead of
+/// stepping to the next number after the sum, the box is grown by the sum's own rounding, at most `u |p + offset|` on
+/// each axis, and by those of the products before it; no branch depends on the signs of a normal.
 #[inline]
 pub fn offset_ray_origin<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>, w: Vec3<R>) -> Vec3<R> {
-    let distance = ng.abs().dot(p_error);
-    let distance = if w.dot(ng) < R::ZERO { -distance } else { distance };
-    let offset = ng * distance;
-    let moved = p + offset;
-    let outward = |x: R, by: R| {
-        if by > R::ZERO {
-            x.next_up()
-        } else if by < R::ZERO {
-            x.next_down()
-        } else {
-            x
-        }
-    };
-    Vector::new(outward(moved.x(), offset.x()), outward(moved.y(), offset.y()), outward(moved.z(), offset.z()))
+    let distance = ng.abs().dot(p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2));
+    p + ng * distance.copysign(w.dot(ng))
 }
 
 #[cfg(test)]

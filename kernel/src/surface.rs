@@ -34,12 +34,13 @@ impl<R: Real> SurfacePoint<R> {
     }
 }
 
-/// The surface point of `hit`, a hit of `ray` in `scene`.
+/// The surface point of `hit`, a hit of `ray` in `scene`. The ray's direction must have length 1, since `wo` is its
+/// opposite.
 #[inline]
 pub fn surface_point<R: Real, E: EffectSet>(scene: &Scene<'_, R>, ray: &Ray<R>, hit: &Hit<R>) -> SurfacePoint<R> {
     let geometry = scene.geometry();
     let at = hit.primitive as usize;
-    let wo = -normalize::<R>(ray.direction);
+    let wo = -ray.direction;
     let is_sphere =
         match (const { E::EFFECTS.contains(Effects::SPHERES) }, const { E::EFFECTS.contains(Effects::TRIANGLES) }) {
             (true, true) => at < geometry.spheres().len(),

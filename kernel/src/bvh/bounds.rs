@@ -1,7 +1,6 @@
 //! Axis-aligned boxes and the one slab test that everything uses.
 
 use crate::real::{Real, Vec3, Vector, greater, lesser};
-use crate::robust::{slab_far_padding, slab_near_padding};
 use crate::shape::PreparedRay;
 
 /// An axis-aligned box: `[lower corner, upper corner]`, scene units. Empty where lower > upper.
@@ -50,15 +49,14 @@ impl<R: Real> Bounds<R> {
     /// holds another is entered no later, since each product rounds monotonely.
     #[inline]
     pub fn entry(&self, ray: &PreparedRay<R>, tmax: R) -> Option<R> {
-        let (mut near, mut far) = (ray.tmin, tmax);
-        for axis in 0..3 {
-            let toward = ray.negative[axis];
-            let a = (self.corners[toward][axis] - ray.origin[axis]) * ray.inverse[axis] * slab_near_padding::<R>();
-            let b = (self.corners[1 - toward][axis] - ray.origin[axis]) * ray.inverse[axis] * slab_far_padding::<R>();
-            near = greater(near, a);
-            far = lesser(far, b);
-        }
-        if near <= far { Some(near) } else { None }
+        let side = |far_side: bool, axis: usize| {
+            let corner = &self.corners[usize::from(ray.negative[axis] != far_side)];
+            (corner[axis] - ray.origin[axis]) * ray.inverse[usize::from(far_side)][axis]
+        };
+        // The far side is searched for its negated maximum, so that both are the same operation.
+        let near = (0..3).fold(ray.tmin, |near, axis| greater(near, side(false, axis)));
+        let minus_far = (0..3).fold(-tmax, |minus_far, axis| greater(minus_far, side(true, axis)));
+        if near <= -minus_far { Some(near) } else { None }
     }
 }
 

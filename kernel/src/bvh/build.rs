@@ -85,6 +85,10 @@ pub fn build<'a, R: Real>(
     for (slot, item) in order.iter_mut().zip(items.iter()) {
         *slot = item.primitive;
     }
+    // In each leaf spheres come first, since they are tested in fours.
+    for leaf in nodes[..used].iter().filter_map(Node::leaf) {
+        order[leaf].sort_unstable();
+    }
     Ok(Bvh { nodes: &nodes[..used], order: &order[..primitives] })
 }
 

@@ -1,7 +1,7 @@
 //! Traversal: [`intersect`] (the closest hit) and [`occluded`] (is there any).
 //!
 //! Both are generic over how primitives are found: all of them, or through a hierarchy. The answer is the same bits
-//! either way; see [`Geometry::test`](crate::shape::Geometry).
+//! either way; see `Geometry::test_all`.
 
 use super::{Bvh, MAX_DEPTH};
 use crate::effects::EffectSet;
@@ -40,14 +40,7 @@ fn search<R: Real, E: EffectSet, const ANY: bool>(
     let prepared = PreparedRay::new(ray);
     let mut best = Hit::none(ray.tmax);
     match bvh {
-        None => {
-            for primitive in 0..geometry.len() as u32 {
-                geometry.test::<E>(&prepared, primitive, &mut best);
-                if ANY && best.primitive != NO_PRIMITIVE {
-                    break;
-                }
-            }
-        }
+        None => geometry.test_all::<E, ANY>(&prepared, &mut best),
         Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &prepared, &mut best),
     }
     (best.primitive != NO_PRIMITIVE).then_some(best)
@@ -64,17 +57,19 @@ fn descend<R: Real, E: EffectSet, const ANY: bool>(
     if node.bounds.entry(ray, best.t).is_none() {
         return;
     }
+    // Small scenes are one leaf, and it holds all primitives in their own order.
+    if node.count > 0 {
+        return geometry.test_all::<E, ANY>(ray, best);
+    }
     // Nodes that wait, with where the ray enters them. One waits per level, so the stack cannot overflow.
     let mut waiting = [(0u32, R::ZERO); MAX_DEPTH];
     let mut top = 0;
     loop {
         if node.count > 0 {
             let first = node.first as usize;
-            for &primitive in &bvh.order[first..first + node.count as usize] {
-                geometry.test::<E>(ray, primitive, best);
-                if ANY && best.primitive != NO_PRIMITIVE {
-                    return;
-                }
+            geometry.test_leaf::<E, ANY>(ray, &bvh.order[first..first + node.count as usize], best);
+            if ANY && best.primitive != NO_PRIMITIVE {
+                return;
             }
         } else {
             let left = node.first;

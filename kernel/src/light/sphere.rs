@@ -1,8 +1,8 @@
 //! Spherical lights: a sphere of the scene, looked at where it is.
 
 use super::LightSample;
-use crate::real::{Real, Vector, narrow, widen};
-use crate::robust::{normalize_wide, offset_ray_origin};
+use crate::real::{Real, Vector, WideVec3, narrow, widen};
+use crate::robust::offset_ray_origin;
 use crate::scene::Scene;
 use crate::shape::Sphere;
 use crate::surface::SurfacePoint;
@@ -45,13 +45,13 @@ impl SphereLight {
         let square = to_center.dot(to_center);
         let radius = sphere.radius.widen();
         let inside = !(square > radius * radius);
-        let (outward, inverse_pdf) = match sampling {
+        let (outward, wi, inverse_pdf) = match sampling {
             LightSampling::None => return None,
             LightSampling::Hemisphere if !inside => hemisphere(sphere, to_center, square, u, v)?,
             LightSampling::Hemisphere | LightSampling::Cone => uniform::<R>(radius, to_center, square, inside, u, v),
         };
         let target = sphere.point_toward(outward);
-        let wi = narrow::<R>(normalize_wide::<R>(widen::<R>(target.p) - widen::<R>(point.p)));
+        let wi = narrow::<R>(wi);
         Some(LightSample {
             wi,
             target: offset_ray_origin::<R>(target.p, target.p_error, target.outward, -wi),
@@ -60,21 +60,27 @@ impl SphereLight {
     }
 }
 
-/// A point (from the centre) seen uniformly in the solid angle of the sphere, and that solid angle.
+/// A point of a sphere from its centre, the unit direction to it, and one over its pdf per steradian.
+type SpherePointSample<R> = (WideVec3<R>, WideVec3<R>, <R as Real>::Wide);
+
+/// A point seen uniformly in the solid angle of the sphere.
 #[inline]
 fn uniform<R: Real>(
     radius: R::Wide,
-    to_center: crate::real::WideVec3<R>,
+    to_center: WideVec3<R>,
     square: R::Wide,
     inside: bool,
     u: R,
     v: R,
-) -> (crate::real::WideVec3<R>, R::Wide) {
+) -> SpherePointSample<R> {
     let one = R::Wide::ONE;
     let sine_square = if inside { one } else { radius * radius / square };
     let sampled = cone(sine_square, u.widen());
-    let axis =
-        if square > R::Wide::ZERO { to_center * (one / square.sqrt()) } else { Vector::new(one - one, one - one, one) };
+    let axis = if square > R::Wide::ZERO {
+        to_center * (one / square.sqrt())
+    } else {
+        Vector::new(R::Wide::ZERO, R::Wide::ZERO, one)
+    };
     let [x, y] = frame::<R::Wide>(axis);
     let (sine, cosine) = v.sin_cos_turns();
     let wi = (x * cosine.widen() + y * sine.widen()) * sampled.sine + axis * sampled.cosine;
@@ -83,19 +89,18 @@ fn uniform<R: Real>(
     let half_square = radius * radius - square * sampled.sine * sampled.sine;
     let half = if half_square > R::Wide::ZERO { half_square.sqrt() } else { R::Wide::ZERO };
     let t = if inside { foot + half } else { foot - half };
-    (wi * t - to_center, sampled.solid_angle)
+    (wi * t - to_center, wi, sampled.solid_angle)
 }
 
-/// A cosine-weighted point (from the centre) of the hemisphere that faces the shading point, and one over its pdf
-/// per steradian; `None` where it cannot be seen.
+/// A cosine-weighted point of the hemisphere that faces the shading point; `None` where it cannot be seen.
 #[inline]
 fn hemisphere<R: Real>(
     sphere: &Sphere<R>,
-    to_center: crate::real::WideVec3<R>,
+    to_center: WideVec3<R>,
     square: R::Wide,
     u: R,
     v: R,
-) -> Option<(crate::real::WideVec3<R>, R::Wide)> {
+) -> Option<SpherePointSample<R>> {
     let facing = to_center * -(R::Wide::ONE / square.sqrt());
     let outward = to_world::<R::Wide>(facing, widen::<R>(cosine_hemisphere(u, v)));
     let radius = sphere.radius.widen();
@@ -108,6 +113,7 @@ fn hemisphere<R: Real>(
     }
     // pdf per area is cos / (pi r^2); per steradian it is that times d^2 / cos at the light.
     let pi = R::Wide::from_f64(core::f64::consts::PI);
-    let cosine_at_light = cosine_at_light / distance_square.sqrt();
-    Some((outward, pi * radius * radius * cosine_at_light / (cosine_of_choice * distance_square)))
+    let inverse_distance = R::Wide::ONE / distance_square.sqrt();
+    let inverse_pdf = pi * radius * radius * cosine_at_light * inverse_distance / (cosine_of_choice * distance_square);
+    Some((outward, to_light * inverse_distance, inverse_pdf))
 }

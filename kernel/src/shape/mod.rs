@@ -1,13 +1,15 @@
 //! The primitives of a scene and the ray in the form that their tests want. ADD A SHAPE HERE.
 
 pub mod sphere;
+pub mod sphere_quad;
 pub mod triangle;
 
 use crate::bvh::Bounds;
 use crate::effects::{EffectSet, Effects};
 use crate::error::GeometryError;
-use crate::ray::{Hit, Ray};
+use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, widen};
+use crate::robust::{slab_far_padding, slab_near_padding};
 
 pub use sphere::Sphere;
 pub use triangle::{Shear, TriangleAttributes};
@@ -17,16 +19,21 @@ pub use triangle::{Shear, TriangleAttributes};
 pub struct PreparedRay<R: Real> {
     /// Origin, scene units.
     pub origin: [R; 3],
-    /// One over each component of the direction; infinite with its sign where that is zero.
-    pub inverse: [R; 3],
-    /// 1 where the direction's sign bit is set, else 0: the corner that a slab is entered through.
-    pub negative: [usize; 3],
+    /// One over each component of the direction, padded for the near side of a slab, and minus that padded for the
+    /// far side; infinite where the component is zero.
+    pub inverse: [[R; 3]; 2],
+    /// Whether the direction's sign bit is set: then a slab is entered through its upper side.
+    pub negative: [bool; 3],
     /// Exclusive lower end of t.
     pub tmin: R,
+    direction: [R; 3],
+    /// The sum of the magnitudes of the direction's components: no less than its length.
+    direction_sum: R,
+    /// One over the squared length of the direction.
+    inverse_square: R,
     wide_origin: WideVec3<R>,
     wide_direction: WideVec3<R>,
-    /// One over the squared length of the direction.
-    inverse_square: R::Wide,
+    wide_inverse_square: R::Wide,
     shear: Shear<R>,
 }
 
@@ -36,15 +43,20 @@ impl<R: Real> PreparedRay<R> {
     pub fn new(ray: &Ray<R>) -> Self {
         let direction = ray.direction.to_array();
         let wide_direction = widen::<R>(ray.direction);
+        let wide_inverse_square = R::Wide::ONE / wide_direction.dot(wide_direction);
+        let inverse = direction.map(|d| R::ONE / d);
         Self {
             origin: ray.origin.to_array(),
-            inverse: direction.map(|d| R::ONE / d),
-            negative: direction.map(|d| usize::from(d.is_sign_negative())),
+            inverse: [slab_near_padding::<R>(), -slab_far_padding::<R>()].map(|pad| inverse.map(|d| d * pad)),
+            negative: direction.map(|d| d.is_sign_negative()),
             tmin: ray.tmin,
+            direction,
+            direction_sum: direction[0].abs() + direction[1].abs() + direction[2].abs(),
+            inverse_square: R::narrow(wide_inverse_square),
             wide_origin: widen::<R>(ray.origin),
             wide_direction,
-            inverse_square: R::Wide::ONE / wide_direction.dot(wide_direction),
-            shear: Shear::new(ray),
+            wide_inverse_square,
+            shear: Shear::new(ray, inverse),
         }
     }
 }
@@ -123,24 +135,91 @@ impl<'a, R: Real> Geometry<'a, R> {
         }
     }
 
-    /// Tests primitive `index` and makes it the best hit if it wins.
+    /// Tests all primitives and makes the best hit of those that win. With `ANY` it may stop at the first.
     ///
     /// A hit counts only where the ray also meets the primitive's own box, and no nearer than that box: so a box
     /// around several primitives, which is entered no later than each of theirs, can never cull the winner.
     #[inline(always)]
-    pub(crate) fn test<E: EffectSet>(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
-        let at = index as usize;
-        let sphere_count = if const { E::EFFECTS.contains(Effects::SPHERES) } { self.spheres.len() } else { 0 };
-        if const { E::EFFECTS.contains(Effects::SPHERES) } && at < sphere_count {
-            let sphere = &self.spheres[at];
+    pub(crate) fn test_all<E: EffectSet, const ANY: bool>(&self, ray: &PreparedRay<R>, best: &mut Hit<R>) {
+        if const { E::EFFECTS.contains(Effects::SPHERES) } {
+            for (chunk, first) in self.spheres.chunks(4).zip((0..).step_by(4)) {
+                let lane = |lane: usize| chunk.get(lane).unwrap_or(&chunk[0]);
+                let four = [lane(0), lane(1), lane(2), lane(3)];
+                self.test_four_spheres(ray, four, chunk.len(), |lane| first + lane as u32, best);
+                if ANY && best.primitive != NO_PRIMITIVE {
+                    return;
+                }
+            }
+        }
+        if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
+            for index in self.spheres.len()..self.len() {
+                self.test_triangle(ray, index as u32, best);
+                if ANY && best.primitive != NO_PRIMITIVE {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// [`Geometry::test_all`] for the primitives of a leaf, in ascending order.
+    #[inline(always)]
+    pub(crate) fn test_leaf<E: EffectSet, const ANY: bool>(
+        &self,
+        ray: &PreparedRay<R>,
+        leaf: &[u32],
+        best: &mut Hit<R>,
+    ) {
+        let mut rest = leaf;
+        if const { E::EFFECTS.contains(Effects::SPHERES) } {
+            while let Some(&first) = rest.first().filter(|&&first| (first as usize) < self.spheres.len()) {
+                // Where fewer than four spheres are left, the first stands in for the others and is masked out.
+                let lane = |lane: usize| rest.get(lane).filter(|&&index| (index as usize) < self.spheres.len());
+                let count = 1 + (1..4).take_while(|&at| lane(at).is_some()).count();
+                let indices: [u32; 4] = core::array::from_fn(|at| *lane(at).unwrap_or(&first));
+                let four = indices.map(|index| &self.spheres[index as usize]);
+                self.test_four_spheres(ray, four, count, |lane| indices[lane], best);
+                if ANY && best.primitive != NO_PRIMITIVE {
+                    return;
+                }
+                rest = &rest[count..];
+            }
+        }
+        if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
+            for &index in rest {
+                self.test_triangle(ray, index, best);
+                if ANY && best.primitive != NO_PRIMITIVE {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Tests the first `count` of four spheres.
+    #[inline(always)]
+    fn test_four_spheres(
+        &self,
+        ray: &PreparedRay<R>,
+        four: [&Sphere<R>; 4],
+        count: usize,
+        index: impl Fn(usize) -> u32,
+        best: &mut Hit<R>,
+    ) {
+        let mut candidates = sphere_quad::candidates(ray, four) & ((1 << count) - 1);
+        while candidates != 0 {
+            let lane = candidates.trailing_zeros() as usize;
+            candidates &= candidates - 1;
+            let sphere = four[lane];
             if let Some(t) = sphere.intersect(ray, best.t) {
-                accept(sphere.bounds(), ray, Hit { t, u: R::ZERO, v: R::ZERO, primitive: index }, best);
+                accept(sphere.bounds(), ray, Hit { t, u: R::ZERO, v: R::ZERO, primitive: index(lane) }, best);
             }
-        } else if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
-            let corners = self.corners(at - sphere_count);
-            if let Some((t, u, v)) = triangle::intersect(&corners, ray, best.t) {
-                accept(triangle::bounds(&corners), ray, Hit { t, u, v, primitive: index }, best);
-            }
+        }
+    }
+
+    #[inline(always)]
+    fn test_triangle(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
+        let corners = self.corners(index as usize - self.spheres.len());
+        if let Some((t, u, v)) = triangle::intersect(&corners, ray, best.t) {
+            accept(triangle::bounds(&corners), ray, Hit { t, u, v, primitive: index }, best);
         }
     }
 }

@@ -27,11 +27,18 @@ pub(crate) struct SpherePoint<R: Real> {
 }
 
 impl<R: Real> Sphere<R> {
-    /// Its box, one rounding wider than computed.
+    /// Its box, wider than computed by what the roundings of its corners can take away.
     #[inline]
     pub fn bounds(&self) -> Bounds<R> {
+        let pad = gamma::<R>(3);
         let center = self.center.to_array();
-        Bounds { corners: [center.map(|c| (c - self.radius).next_down()), center.map(|c| (c + self.radius).next_up())] }
+        let half = center.map(|c| self.radius + (c.abs() + self.radius) * pad);
+        Bounds {
+            corners: [
+                core::array::from_fn(|axis| center[axis] - half[axis]),
+                core::array::from_fn(|axis| center[axis] + half[axis]),
+            ],
+        }
     }
 
     /// The nearest t in `tmin < t <= tmax`.
@@ -41,7 +48,7 @@ impl<R: Real> Sphere<R> {
     /// and the root that would cancel is taken from the product of the roots.
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay<R>, tmax: R) -> Option<R> {
-        let (d, inverse_square) = (ray.wide_direction, ray.inverse_square);
+        let (d, inverse_square) = (ray.wide_direction, ray.wide_inverse_square);
         let to_center = widen::<R>(self.center) - ray.wide_origin;
         let radius = self.radius.widen();
         let mut t_foot = to_center.dot(d) * inverse_square;
@@ -53,7 +60,8 @@ impl<R: Real> Sphere<R> {
         }
         let foot_square = foot.dot(foot);
         let radius_square = radius * radius;
-        if !(foot_square <= radius_square) {
+        // Beside the line, or behind an origin outside of the sphere.
+        if !(foot_square <= radius_square) || (t_foot < R::Wide::ZERO && to_center.dot(to_center) > radius_square) {
             return None;
         }
         let (near, far) = if const { R::WIDE_IS_SELF } {

@@ -41,11 +41,11 @@ fn permute<R: Real>(v: Vec3<R>, longest: u8) -> [R; 3] {
 }
 
 impl<R: Real> Shear<R> {
-    /// The shear of a ray's direction.
+    /// The shear of a ray's direction, of which `inverse` holds one over each component.
     #[inline]
-    pub(super) fn new(ray: &Ray<R>) -> Self {
+    pub(super) fn new(ray: &Ray<R>, inverse: [R; 3]) -> Self {
         let size = ray.direction.abs();
-        let longest = if size.x() > size.y() {
+        let longest: u8 = if size.x() > size.y() {
             if size.x() > size.z() { 0 } else { 2 }
         } else if size.y() > size.z() {
             1
@@ -53,7 +53,7 @@ impl<R: Real> Shear<R> {
             2
         };
         let [x, y, z] = permute::<R>(ray.direction, longest);
-        Self { longest, x: x / z, y: y / z, z: R::ONE / z }
+        Self { longest, x: x / z, y: y / z, z: inverse[longest as usize] }
     }
 }
 

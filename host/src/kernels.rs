@@ -1,0 +1,148 @@
+//! The table of kernels: every instantiation there is, and the choice of the smallest that covers a view.
+//!
+//! A row exists only where it was measured to pay; `host/benches/README.md` has the figures.
+
+use std::ops::Range;
+
+use ocellus_kernel::{EffectSet, Effects, Pixel, Real, View, Work};
+
+use crate::error::Error;
+
+/// A kernel: adds samples to a stretch of pixels ([`View::render`]).
+pub type Kernel<R> = fn(&View<'_, R>, u32, u32, Range<u32>, &mut [Pixel]) -> Work;
+
+/// One effect set, compiled for both precisions.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Its name in `explain` and `--json`.
+    pub name: &'static str,
+    /// What it can do.
+    pub effects: Effects,
+    f32: Kernel<f32>,
+    f64: Kernel<f64>,
+}
+
+/// Which kernels a render may use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum EffectChoice {
+    /// The smallest kernel that covers the scene.
+    #[default]
+    Auto,
+    /// The kernel that can do everything.
+    All,
+}
+
+/// A precision that the table has a column for.
+pub trait TableReal: Real {
+    /// The row's kernel in this precision.
+    fn kernel(row: &Row) -> Kernel<Self>;
+}
+
+impl TableReal for f32 {
+    fn kernel(row: &Row) -> Kernel<f32> {
+        row.f32
+    }
+}
+
+impl TableReal for f64 {
+    fn kernel(row: &Row) -> Kernel<f64> {
+        row.f64
+    }
+}
+
+/// The body of every row: a function of its own per precision and effect set, so that profiles and disassembly show
+/// which is which.
+#[inline(never)]
+fn render<R: Real, E: EffectSet>(
+    view: &View<'_, R>,
+    x: u32,
+    y: u32,
+    samples: Range<u32>,
+    pixels: &mut [Pixel],
+) -> Work {
+    view.render::<E>(x, y, samples, pixels)
+}
+
+macro_rules! table {
+    ($($set:ident $name:literal $doc:literal = $($effect:ident)|+;)*) => {
+        $(
+            #[doc = $doc]
+            #[derive(Clone, Copy, Debug)]
+            pub struct $set;
+
+            impl EffectSet for $set {
+                const EFFECTS: Effects = Effects::NONE$(.union(Effects::$effect))+;
+            }
+        )*
+
+        /// All kernels, the largest last.
+        pub const TABLE: &[Row] = &[$(Row {
+            name: $name,
+            effects: $set::EFFECTS,
+            f32: render::<f32, $set>,
+            f64: render::<f64, $set>,
+        }),*];
+    };
+}
+
+table! {
+    MatteSpheres "matte-spheres" "Diffuse spheres, point lights, direct light." =
+        SPHERES | POINT_LIGHT | FILTER;
+    DirectSpheres "direct-spheres" "Diffuse, mirror and glass spheres, point lights, direct light." =
+        SPHERES | MIRROR | GLASS | POINT_LIGHT | FILTER;
+    PointLitSpheres "point-lit-spheres" "Diffuse, mirror and glass spheres, point lights." =
+        SPHERES | MIRROR | GLASS | POINT_LIGHT | INDIRECT | FILTER;
+    SphereLitSpheres "sphere-lit-spheres" "Diffuse, mirror and glass spheres, spherical lights." =
+        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER;
+    LensSpheres "lens-spheres" "Diffuse, mirror and glass spheres, spherical lights, through a lens." =
+        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | LENS;
+    MatteMesh "matte-mesh" "Diffuse triangles and spheres, spherical lights." =
+        SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER;
+    TexturedMesh "textured-mesh" "Textured and smooth diffuse triangles and spheres, point lights." =
+        SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | POINT_LIGHT | INDIRECT | FILTER;
+    Everything "everything" "All effects." =
+        SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | MIRROR | GLASS | POINT_LIGHT | SPHERE_LIGHT | EMISSION
+        | BACKGROUND | INDIRECT | ROULETTE | LENS | FILTER;
+}
+
+/// The row with the fewest effects that has all of `required`.
+///
+/// # Errors
+/// No row has them: the effect set of a newer kernel.
+pub fn select(required: Effects, choice: EffectChoice) -> Result<&'static Row, Error> {
+    TABLE
+        .iter()
+        .filter(|row| row.effects.contains(required))
+        .filter(|row| choice == EffectChoice::Auto || row.effects == Effects::EVERYTHING)
+        .min_by_key(|row| row.effects.len())
+        .ok_or_else(|| {
+            let names: Vec<_> = required.names().collect();
+            Error::usage(format!("no kernel has all of: {}", names.join(", ")), "use --effects all")
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_set_of_effects_has_a_row_that_covers_it() {
+        for mask in 0..1u32 << Effects::ALL.len() {
+            let required = Effects::ALL
+                .iter()
+                .enumerate()
+                .filter(|(bit, _)| mask >> bit & 1 == 1)
+                .fold(Effects::NONE, |set, (_, (effect, _))| set.union(*effect));
+            let row = select(required, EffectChoice::Auto).unwrap();
+            assert!(row.effects.contains(required));
+        }
+    }
+
+    #[test]
+    fn the_last_row_can_do_everything_and_names_differ() {
+        assert_eq!(TABLE.last().unwrap().effects, Effects::EVERYTHING);
+        for (index, row) in TABLE.iter().enumerate() {
+            assert!(TABLE[..index].iter().all(|other| other.name != row.name && other.effects != row.effects));
+        }
+    }
+}

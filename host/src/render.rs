@@ -1,0 +1,198 @@
+//! Rendering: rows in parallel, in passes over the whole picture.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use ocellus_kernel::{Effects, View, Work};
+use rayon::prelude::*;
+
+use crate::assemble::{Accel, SetupReport, with_view};
+use crate::description::SceneDescription;
+use crate::error::Error;
+use crate::film::{Film, Region};
+use crate::kernels::{EffectChoice, Row, TableReal, select};
+
+/// Precision of all geometry and light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Precision {
+    /// 32 bits; what must be exact inside of an operation is formed in 64.
+    #[default]
+    F32,
+    /// 64 bits.
+    F64,
+}
+
+impl std::fmt::Display for Precision {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        })
+    }
+}
+
+/// How to render, beside what the scene says.
+#[derive(Clone, Debug)]
+pub struct RenderSettings {
+    /// Which samples of each pixel.
+    pub samples: Range<u32>,
+    /// Which pixels.
+    pub region: Region,
+    /// Worker threads; 0 is one for each core.
+    pub threads: usize,
+    /// Precision of all geometry and light.
+    pub precision: Precision,
+    /// How the closest primitive is found.
+    pub accel: Accel,
+    /// Which kernels may be used.
+    pub effects: EffectChoice,
+}
+
+impl RenderSettings {
+    /// What the scene asks for, with everything else as by default.
+    pub fn of(description: &SceneDescription) -> Self {
+        let film = &description.film;
+        Self {
+            samples: 0..film.spp,
+            region: Region::whole(film.width, film.height),
+            threads: 0,
+            precision: Precision::default(),
+            accel: Accel::default(),
+            effects: EffectChoice::default(),
+        }
+    }
+}
+
+/// What a render made and took.
+#[derive(Clone, Debug)]
+pub struct Rendering {
+    /// The samples.
+    pub film: Film,
+    /// Paths and ray queries.
+    pub work: Work,
+    /// The scene's own effects.
+    pub required: Effects,
+    /// The kernel that was used.
+    pub row: &'static Row,
+    /// Worker threads.
+    pub threads: usize,
+    /// What setting up took.
+    pub setup: SetupReport,
+    /// Seconds of tracing, wall time.
+    pub trace_seconds: f64,
+    /// Whether it was stopped before all samples were done.
+    pub interrupted: bool,
+}
+
+/// Someone to tell how far the work is, and to ask whether to go on.
+pub trait Monitor: Sync {
+    /// `paths` more were followed.
+    fn advance(&self, paths: u64);
+    /// Whether to stop: pixels keep the samples they have.
+    fn stopped(&self) -> bool;
+}
+
+/// Tells nobody and never stops.
+#[derive(Clone, Copy, Debug)]
+pub struct Unmonitored;
+
+impl Monitor for Unmonitored {
+    fn advance(&self, _paths: u64) {}
+
+    fn stopped(&self) -> bool {
+        false
+    }
+}
+
+/// Largest number of samples of a pass: small enough that a picture that is stopped early is even.
+const LARGEST_PASS: u32 = 16;
+
+/// Renders `description`. The picture depends on the description and the samples alone.
+///
+/// # Errors
+/// A description of no usable scene or camera; a region outside of the picture; threads that cannot be started.
+pub fn render(
+    description: &SceneDescription,
+    settings: &RenderSettings,
+    monitor: &impl Monitor,
+) -> Result<Rendering, Error> {
+    match settings.precision {
+        Precision::F32 => render_in::<f32>(description, settings, monitor),
+        Precision::F64 => render_in::<f64>(description, settings, monitor),
+    }
+}
+
+fn render_in<R: TableReal>(
+    description: &SceneDescription,
+    settings: &RenderSettings,
+    monitor: &impl Monitor,
+) -> Result<Rendering, Error> {
+    let (region, film) = (settings.region, &description.film);
+    if !(region.x0 < region.x1 && region.x1 <= film.width && region.y0 < region.y1 && region.y1 <= film.height) {
+        return Err(Error::usage(
+            format!("the region {},{},{},{} is not part of the picture", region.x0, region.y0, region.x1, region.y1),
+            format!("choose 0 <= x0 < x1 <= {} and 0 <= y0 < y1 <= {}", film.width, film.height),
+        ));
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(settings.threads)
+        .build()
+        .map_err(|error| Error::usage(format!("cannot start threads: {error}"), "ask for fewer with --threads"))?;
+    with_view::<R, _>(description, settings.accel, |view, setup| {
+        let required = view.required_effects();
+        let row = select(required, settings.effects)?;
+        let mut film = Film::new(region);
+        let start = Instant::now();
+        let (work, interrupted) = pool.install(|| passes(view, row, &settings.samples, &mut film, monitor));
+        Ok(Rendering {
+            film,
+            work,
+            required,
+            row,
+            threads: pool.current_num_threads(),
+            setup: *setup,
+            trace_seconds: start.elapsed().as_secs_f64(),
+            interrupted,
+        })
+    })?
+}
+
+/// Renders pass after pass of all rows; returns the work done and whether it was stopped.
+fn passes<R: TableReal>(
+    view: &View<'_, R>,
+    row: &Row,
+    samples: &Range<u32>,
+    film: &mut Film,
+    monitor: &impl Monitor,
+) -> (Work, bool) {
+    let region = film.region();
+    let kernel = R::kernel(row);
+    let interrupted = AtomicBool::new(false);
+    let mut work = Work::default();
+    let mut start = samples.start;
+    // The first pass is one sample, so that a picture exists soon; each next one doubles.
+    let mut pass = 1;
+    while start < samples.end && !interrupted.load(Ordering::Relaxed) {
+        let end = start.saturating_add(pass).min(samples.end);
+        let of_row = |(index, pixels): (usize, &mut [ocellus_kernel::Pixel])| {
+            if monitor.stopped() {
+                interrupted.store(true, Ordering::Relaxed);
+                return Work::default();
+            }
+            let work = kernel(view, region.x0, region.y0 + index as u32, start..end, pixels);
+            monitor.advance(work.paths);
+            work
+        };
+        work = work
+            + film
+                .pixels
+                .par_chunks_mut(region.width() as usize)
+                .enumerate()
+                .map(of_row)
+                .reduce(Work::default, |a, b| a + b);
+        start = end;
+        pass = (pass * 2).min(LARGEST_PASS);
+    }
+    (work, interrupted.into_inner())
+}

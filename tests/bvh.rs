@@ -1,0 +1,411 @@
+//! The acceleration structures: none, one box and a hierarchy give the same bits; builds end, within bounds, on any
+//! input; storages that are too small say so.
+
+use ocellus_kernel::bvh::{self, Bounds, BuildItem, Bvh, BvhStorage, MAX_DEPTH, Node, Structure, required_nodes};
+use ocellus_kernel::error::{Capacity, CapacityError};
+use ocellus_kernel::real::{Real, Vector};
+use ocellus_kernel::shape::PreparedRay;
+use ocellus_kernel::{Hit, Ray, Scene};
+use proptest::prelude::*;
+
+use crate::support::exact::{Exact, exact};
+use crate::support::in_both_precisions;
+use crate::support::meshes::{Mesh, cube, soup};
+use crate::support::property::{component, for_all, power_of_two};
+use crate::support::random::Random;
+use crate::support::scene::{OwnedScene, STRUCTURES, v};
+use crate::support::tolerance::u;
+
+in_both_precisions!(
+    structures_agree_bit_for_bit,
+    coplanar_copies_go_to_the_lowest_primitive,
+    occlusion_agrees_with_the_closest_hit,
+    every_primitive_is_in_one_leaf_whose_boxes_hold_it,
+    hostile_input_builds_within_the_depth_limit,
+    storage_on_the_stack_equals_boxed_slices,
+    storage_that_is_too_small_is_named,
+    required_nodes_are_enough,
+    invalid_rays_miss,
+    slabs_never_miss_what_exact_rays_meet,
+);
+
+/// Spheres from tiny to walls of radius 1e5, and the triangle soup.
+fn mixture<R: Real>(random: &mut Random, spheres: usize, triangles: usize) -> OwnedScene<R> {
+    let mut scene = OwnedScene::<R>::default();
+    let grey = scene.diffuse(0.5, 0.0);
+    for i in 0..spheres {
+        match i % 5 {
+            0 => {
+                let mut center = [0.0; 3];
+                center[random.below(3)] = if random.below(2) == 0 { 1e5 + 1.5 } else { -1e5 - 1.5 };
+                scene.sphere(center, 1e5, grey);
+            }
+            1 if i > 1 => scene.spheres.push(scene.spheres[random.below(i)]),
+            _ => {
+                scene.sphere(random.in_cube(), libm::exp(random.between(-6.0, -0.5)), grey);
+            }
+        }
+    }
+    scene.mesh(&soup(random, triangles), grey);
+    scene
+}
+
+/// A ray at something of the scene, along an axis, or anywhere, perhaps with an end.
+fn any_ray<R: Real>(random: &mut Random, scene: &OwnedScene<R>) -> Ray<R> {
+    let far = [1.0, 1.0, 10.0, 1000.0][random.below(4)];
+    let mut origin = v::<R>(random.in_cube().map(|x| x * far));
+    let mut direction = v::<R>(random.in_cube());
+    match random.below(6) {
+        0 | 1 if !scene.positions.is_empty() => {
+            let corner = scene.positions[random.below(scene.positions.len())];
+            if corner.is_finite() {
+                direction = corner - origin;
+            }
+        }
+        2 if !scene.spheres.is_empty() => direction = scene.spheres[random.below(scene.spheres.len())].center - origin,
+        3 => {
+            let zero = if random.below(2) == 0 { 0.0 } else { -0.0 };
+            let mut along = [zero; 3];
+            along[random.below(3)] = random.between(-2.0, 2.0);
+            direction = v::<R>(along);
+            origin = v::<R>(random.in_cube().map(|x| (x * 4.0).round() * 0.25));
+        }
+        4 => origin = v::<R>(random.in_cube().map(|x| (x * 4.0).round() * 0.25)),
+        _ => {}
+    }
+    let tmax = if random.below(4) == 0 { R::from_f64(random.between(0.0, 3.0)) } else { R::MAX };
+    Ray { tmax, ..Ray::new(origin, direction) }
+}
+
+/// A hit as bits, so that NaN and -0 would show.
+fn bits<R: Real>(hit: Option<Hit<R>>) -> Option<([u64; 3], u32)> {
+    hit.map(|hit| ([hit.t, hit.u, hit.v].map(|x| x.to_f64().to_bits()), hit.primitive))
+}
+
+fn structures_agree_bit_for_bit<R: Real>() {
+    for_all(48, (any::<u64>(), 0usize..12, 0usize..150), |(seed, spheres, triangles)| {
+        let mut random = Random::new(seed);
+        let scene = mixture::<R>(&mut random, spheres, triangles);
+        let rays: Vec<Ray<R>> = (0..400).map(|_| any_ray(&mut random, &scene)).collect();
+        let answers = STRUCTURES.map(|structure| {
+            scene.lend(structure, |scene| {
+                rays.iter().map(|ray| (bits(scene.intersect(ray)), scene.occluded(ray))).collect::<Vec<_>>()
+            })
+        });
+        for (i, ray) in rays.iter().enumerate() {
+            prop_assert_eq!(answers[0][i], answers[1][i], "box: {:?}", ray);
+            prop_assert_eq!(answers[0][i], answers[2][i], "hierarchy: {:?}", ray);
+            prop_assert_eq!(answers[0][i].0.is_some(), answers[0][i].1, "occluded: {:?}", ray);
+        }
+        Ok(())
+    });
+}
+
+/// The same triangles many times over, in shuffled order among others: ties are everywhere.
+fn coplanar_copies_go_to_the_lowest_primitive<R: Real>() {
+    let mut random = Random::new(21);
+    let mut scene = OwnedScene::<R>::default();
+    let grey = scene.diffuse(0.5, 0.0);
+    for _ in 0..4 {
+        scene.mesh(&cube(3), grey);
+    }
+    let each = cube(3).triangles.len() as u32;
+    for structure in STRUCTURES {
+        scene.lend(structure, |scene| {
+            for _ in 0..3000 {
+                let ray = crate::support::scene::ray::<R>(random.in_cube(), random.on_sphere());
+                let hit = scene.intersect(&ray).expect("a closed cube");
+                assert!(hit.primitive < each, "{structure:?} {ray:?}: {hit:?} is a copy");
+            }
+        });
+    }
+}
+
+/// With the range ended at the closest hit there is one; ended just before it there is none.
+fn occlusion_agrees_with_the_closest_hit<R: Real>() {
+    let mut random = Random::new(22);
+    let scene = mixture::<R>(&mut random, 8, 200);
+    for structure in STRUCTURES {
+        scene.lend(structure, |lent| {
+            let mut hits = 0;
+            for _ in 0..20_000 {
+                let ray = any_ray(&mut random, &scene);
+                let hit = lent.intersect(&ray);
+                assert_eq!(hit.is_some(), lent.occluded(&ray), "{structure:?} {ray:?}");
+                let Some(hit) = hit else { continue };
+                hits += 1;
+                let upto = Ray { tmax: hit.t, ..ray };
+                assert!(lent.occluded(&upto) && bits(lent.intersect(&upto)) == bits(Some(hit)), "{structure:?} {ray:?}");
+                let before = Ray { tmax: hit.t.next_down(), ..ray };
+                assert!(!lent.occluded(&before), "{structure:?} {ray:?}");
+            }
+            assert!(hits > 5000, "only {hits} hits");
+        });
+    }
+}
+
+/// Walks down; returns the depth of the deepest leaf.
+fn check_hierarchy<R: Real>(scene: &Scene<'_, R>, bvh: &Bvh<'_, R>) -> usize {
+    let geometry = scene.geometry();
+    let holds = |outer: &Bounds<R>, inner: &Bounds<R>| {
+        let empty = (0..3).any(|axis| inner.corners[0][axis] > inner.corners[1][axis]);
+        empty
+            || (0..3).all(|axis| {
+                outer.corners[0][axis] <= inner.corners[0][axis] && inner.corners[1][axis] <= outer.corners[1][axis]
+            })
+    };
+    let mut times = vec![0; geometry.len()];
+    let (mut waiting, mut deepest, mut visited) = (vec![(0usize, 0usize)], 0, 0);
+    while let Some((at, depth)) = waiting.pop() {
+        let node = &bvh.nodes()[at];
+        deepest = deepest.max(depth);
+        visited += 1;
+        if let Some(children) = node.children() {
+            for child in children {
+                assert!(holds(node.bounds(), bvh.nodes()[child].bounds()), "node {child} sticks out of node {at}");
+                waiting.push((child, depth + 1));
+            }
+        }
+        for &primitive in &bvh.order()[node.leaf().unwrap_or(0..0)] {
+            times[primitive as usize] += 1;
+            assert!(holds(node.bounds(), &geometry.bounds(primitive as usize)), "{primitive} sticks out of node {at}");
+        }
+    }
+    assert_eq!(visited, bvh.nodes().len());
+    assert!(times.iter().all(|&times| times == 1), "a primitive is not in exactly one leaf");
+    assert!(deepest <= MAX_DEPTH, "{deepest}");
+    deepest
+}
+
+fn every_primitive_is_in_one_leaf_whose_boxes_hold_it<R: Real>() {
+    for_all(64, (any::<u64>(), 0usize..20, 0usize..300), |(seed, spheres, triangles)| {
+        let scene = mixture::<R>(&mut Random::new(seed), spheres, triangles);
+        prop_assume!(spheres + triangles > 0);
+        for structure in [Structure::Box, Structure::Bvh] {
+            scene.lend(Some(structure), |scene| check_hierarchy(scene, scene.bvh().expect("a hierarchy")));
+        }
+        Ok(())
+    });
+}
+
+/// Small triangles at the given places.
+fn triangles_at(places: impl Iterator<Item = [f64; 3]>, size: impl Fn([f64; 3]) -> f64) -> Mesh {
+    let mut mesh = Mesh { positions: vec![], triangles: vec![] };
+    for p in places {
+        let first = mesh.positions.len() as u32;
+        let s = size(p);
+        mesh.positions.extend([p, [p[0] + s, p[1], p[2]], [p[0], p[1] + s, p[2]]]);
+        mesh.triangles.push([first, first + 1, first + 2]);
+    }
+    mesh
+}
+
+/// Chains that halve at every step, 100,000 triangles in one place, boxes that overflow: the build ends within the
+/// depth that traversal has a stack for, and hits are those of brute force.
+fn hostile_input_builds_within_the_depth_limit<R: Real>() {
+    let steps = if R::WIDE_IS_SELF { 1000 } else { 120 };
+    let power = |k: i32| libm::ldexp(1.0, -k);
+    let chain = triangles_at((0..steps).map(|k| [power(k), 0.0, 0.0]), |p| p[0] * 0.25);
+    let staircase =
+        triangles_at((0..3 * steps).map(|k| std::array::from_fn(|i| power((k + 2 - i as i32) / 3))), |p| p[0] * 0.01);
+    let huge = if R::WIDE_IS_SELF { 1e307 } else { 1e38 };
+    let overflowing = triangles_at((0..200).map(|k| [huge * f64::from(k % 3 - 1), f64::from(k), -huge]), |_| huge);
+    let infinite = triangles_at((0..100).map(|k| [f64::INFINITY, f64::from(k), f64::NEG_INFINITY]), |_| 1.0);
+    let one_place = triangles_at((0..100_000).map(|_| [0.25; 3]), |_| 1.0);
+    for (name, mesh) in [
+        ("chain", chain),
+        ("staircase", staircase),
+        ("overflowing", overflowing),
+        ("infinite", infinite),
+        ("one place", one_place),
+    ] {
+        let mut owned = OwnedScene::<R>::default();
+        let grey = owned.diffuse(0.5, 0.0);
+        owned.mesh(&mesh, grey);
+        let mut random = Random::new(23);
+        let origins: Vec<_> = (0..20).map(|_| random.in_cube()).collect();
+        let look = |scene: &Scene<'_, R>| -> Vec<_> {
+            if let Some(bvh) = scene.bvh() {
+                check_hierarchy(scene, bvh);
+            }
+            let rays = origins.iter().enumerate().map(|(i, origin)| {
+                let [a, b, c] = scene.geometry().corners(i * 7 % mesh.triangles.len());
+                let origin = v::<R>([origin[0], origin[1], 2.0]);
+                Ray::<R>::new(origin, (a + b + c) * R::from_f64(1.0 / 3.0) - origin)
+            });
+            rays.map(|ray| bits(scene.intersect(&ray))).collect()
+        };
+        assert_eq!(owned.lend(Some(Structure::Bvh), look), owned.lend(None, look), "{name}");
+    }
+}
+
+fn storage_on_the_stack_equals_boxed_slices<R: Real>() {
+    const PRIMITIVES: usize = 96;
+    let mut owned = OwnedScene::<R>::default();
+    let grey = owned.diffuse(0.5, 0.0);
+    owned.mesh(&soup(&mut Random::new(24), PRIMITIVES - 8), grey);
+    for i in 0..8 {
+        owned.sphere([f64::from(i), 0.0, 0.0], 0.4, grey);
+    }
+    let geometry = owned.geometry();
+    for structure in [Structure::Box, Structure::Bvh] {
+        let mut on_stack = BvhStorage::<R, { required_nodes(PRIMITIVES) }, PRIMITIVES>::EMPTY;
+        let mut scratch = [BuildItem::EMPTY; PRIMITIVES];
+        let on_stack = on_stack.build(&geometry, structure, &mut scratch).expect("room for all");
+        // Larger than needed, and dirty: neither may show.
+        let mut nodes = vec![*on_stack.nodes().last().expect("a node"); 500].into_boxed_slice();
+        let mut order = vec![77; 300].into_boxed_slice();
+        let mut scratch = vec![BuildItem::EMPTY; 200].into_boxed_slice();
+        let boxed = bvh::build(&geometry, structure, &mut nodes, &mut order, &mut scratch).expect("room for all");
+        assert_eq!((boxed.nodes(), boxed.order()), (on_stack.nodes(), on_stack.order()));
+    }
+}
+
+fn storage_that_is_too_small_is_named<R: Real>() {
+    let mut owned = OwnedScene::<R>::default();
+    let grey = owned.diffuse(0.5, 0.0);
+    owned.mesh(&cube(1), grey);
+    let geometry = owned.geometry();
+    let build = |structure, [nodes, order, scratch]: [usize; 3]| {
+        let mut nodes = vec![Node::EMPTY; nodes];
+        let (mut order, mut scratch) = (vec![0; order], vec![BuildItem::EMPTY; scratch]);
+        bvh::build(&geometry, structure, &mut nodes, &mut order, &mut scratch).map(|_| ())
+    };
+    let error = |what, needed, capacity| Err(CapacityError { what, needed, capacity });
+    for (structure, nodes) in [(Structure::Box, 1), (Structure::Bvh, 23)] {
+        assert_eq!(build(structure, [nodes, 12, 12]), Ok(()));
+        assert_eq!(build(structure, [nodes - 1, 12, 12]), error(Capacity::Nodes, nodes, nodes - 1));
+        assert_eq!(build(structure, [nodes, 11, 12]), error(Capacity::Order, 12, 11));
+        assert_eq!(build(structure, [nodes, 12, 0]), error(Capacity::Scratch, 12, 0));
+    }
+    let mut storage = BvhStorage::<R, 23, 11>::EMPTY;
+    let found = storage.build(&geometry, Structure::Bvh, &mut [BuildItem::EMPTY; 12]).map(|_| ());
+    assert_eq!(found, error(Capacity::Order, 12, 11));
+}
+
+fn required_nodes_are_enough<R: Real>() {
+    let mut random = Random::new(25);
+    let mut most = 0.0f64;
+    for n in 0..200 {
+        // Separate small spheres make as many leaves as there can be.
+        let mut owned = OwnedScene::<R>::default();
+        let grey = owned.diffuse(0.5, 0.0);
+        for i in 0..n {
+            owned.sphere(random.in_cube().map(|x| x * 1e3 + f64::from(i)), 1e-3, grey);
+        }
+        let n = n as usize;
+        owned.lend(Some(Structure::Bvh), |scene| {
+            let bvh = scene.bvh().expect("a hierarchy");
+            assert_eq!(bvh.order().len(), n);
+            assert!(bvh.nodes().len() <= required_nodes(n), "{} nodes for {n}", bvh.nodes().len());
+            most = most.max(bvh.nodes().len() as f64 / n.max(1) as f64);
+        });
+    }
+    assert!(most > 1.5, "the limit was never near: {most} nodes per primitive");
+}
+
+fn invalid_rays_miss<R: Real>() {
+    let mut owned = OwnedScene::<R>::default();
+    let grey = owned.diffuse(0.5, 0.0);
+    owned.mesh(&cube(2), grey);
+    owned.sphere([0.0; 3], 0.5, grey);
+    let good = crate::support::scene::ray::<R>([0.0, 0.0, 3.0], [0.0, 0.0, -1.0]);
+    let [nan, infinity] = [f64::NAN, f64::INFINITY].map(R::from_f64);
+    let mut bad = vec![
+        Ray { direction: v::<R>([0.0; 3]), ..good },
+        Ray { direction: v::<R>([-0.0, 0.0, -0.0]), ..good },
+        Ray { tmin: R::from_f64(-1.0), ..good },
+        Ray { tmin: nan, ..good },
+        Ray { tmax: nan, ..good },
+        Ray { tmin: R::from_f64(6.0), tmax: R::from_f64(5.0), ..good },
+        Ray { tmax: -R::ONE, ..good },
+    ];
+    for (axis, value) in (0..3).flat_map(|axis| [nan, infinity, -infinity].map(|value| (axis, value))) {
+        let with = |v: R::Vec3| {
+            let mut components = v.to_array();
+            components[axis] = value;
+            R::Vec3::from_array(components)
+        };
+        bad.push(Ray { origin: with(good.origin), ..good });
+        bad.push(Ray { direction: with(good.direction), ..good });
+    }
+    for structure in STRUCTURES {
+        owned.lend(structure, |scene| {
+            assert_eq!(scene.intersect(&good).map(|hit| hit.t), Some(R::from_f64(2.0)));
+            let endless = Ray { tmax: infinity, ..good };
+            assert_eq!(scene.intersect(&endless).map(|hit| hit.t), Some(R::from_f64(2.0)));
+            for ray in &bad {
+                assert!(!ray.is_valid() && scene.intersect(ray).is_none() && !scene.occluded(ray), "{ray:?}");
+            }
+        });
+    }
+}
+
+/// Whether `origin + t direction` meets the closed box at some t > 0, in exact arithmetic.
+fn meets(corners: &[[f64; 3]; 2], origin: [f64; 3], direction: [f64; 3]) -> bool {
+    // Both ends of the interval as fractions with positive denominators.
+    let (mut near, mut far): (Option<[Exact; 2]>, Option<[Exact; 2]>) = (None, None);
+    let less = |a: &[Exact; 2], b: &[Exact; 2]| &a[0] * &b[1] < &b[0] * &a[1];
+    for axis in 0..3 {
+        let (o, d) = (exact(origin[axis]), exact(direction[axis]));
+        let [low, high] = [0, 1].map(|side| exact(corners[side][axis]) - &o);
+        if d == exact(0.0) {
+            if low > exact(0.0) || high < exact(0.0) {
+                return false;
+            }
+            continue;
+        }
+        let (enter, leave) = if d > exact(0.0) { ([low, d.clone()], [high, d]) } else { ([-high, -&d], [-low, -d]) };
+        if near.as_ref().is_none_or(|near| less(near, &enter)) {
+            near = Some(enter);
+        }
+        if far.as_ref().is_none_or(|far| less(&leave, far)) {
+            far = Some(leave);
+        }
+    }
+    match (near, far) {
+        (Some(near), Some(far)) => !less(&far, &near) && far[0] > exact(0.0),
+        _ => false,
+    }
+}
+
+/// Boxes flat or not, origins on their planes, directions along their faces and at their points.
+fn slabs_never_miss_what_exact_rays_meet<R: Real>() {
+    let corner = || proptest::array::uniform3(component());
+    let places = (corner(), corner(), corner(), corner(), prop::array::uniform3(0u8..6), prop::array::uniform3(0u8..6));
+    let tiny = if R::WIDE_IS_SELF { 1e-310 } else { 1e-40 };
+    let (mut met, mut missed) = (std::cell::Cell::new(0), std::cell::Cell::new(0));
+    for_all(30_000, (places, power_of_two(-20..20)), |((a, b, target, free, start, aim), scale)| {
+        let round = |x: f64| R::from_f64(x * scale).to_f64();
+        let [low, high] = [f64::min, f64::max].map(|pick| std::array::from_fn(|i| round(pick(a[i], b[i]))));
+        let origin: [f64; 3] = std::array::from_fn(|i| match start[i] {
+            0 => low[i],
+            1 => high[i],
+            2 => round(0.5 * (low[i] + high[i])),
+            _ => round(free[i] * 10.0),
+        });
+        let direction: [f64; 3] = std::array::from_fn(|i| match aim[i] {
+            0 => 0.0,
+            1 => -0.0,
+            2 => R::from_f64(low[i] - origin[i]).to_f64(),
+            // So small that its inverse is infinite, where the slab holds the origin.
+            3 if origin[i] >= low[i] && origin[i] <= high[i] => tiny.copysign(target[i]),
+            _ => R::from_f64((low[i] + (high[i] - low[i]) * target[i].abs()) - origin[i]).to_f64(),
+        });
+        let ray = crate::support::scene::ray::<R>(origin, direction);
+        if !ray.is_valid() {
+            return Ok(());
+        }
+        let bounds = Bounds { corners: [low, high].map(|corner| corner.map(R::from_f64)) };
+        let entry = bounds.entry(&PreparedRay::new(&ray), ray.tmax);
+        if meets(&[low, high], origin, direction) {
+            met.set(met.get() + 1);
+            prop_assert!(entry.is_some(), "{:?} misses {:?}", ray, bounds);
+        } else if entry.is_none() {
+            missed.set(missed.get() + 1);
+        }
+        Ok(())
+    });
+    let (met, missed) = (*met.get_mut(), *missed.get_mut());
+    assert!(met > 5000 && missed > 1000, "{met} met, {missed} missed; unit {}", u::<R>());
+}

@@ -1,0 +1,18 @@
+//! What the test modules share: scenes, meshes, random numbers, statistics, exact arithmetic, tolerances.
+
+pub(crate) mod exact;
+pub(crate) mod meshes;
+pub(crate) mod property;
+pub(crate) mod random;
+pub(crate) mod scene;
+pub(crate) mod statistics;
+pub(crate) mod tolerance;
+
+/// Runs each named function, generic over the precision, once as f32 (`single`) and once as f64 (`double`).
+macro_rules! in_both_precisions {
+    ($($name:ident),* $(,)?) => {
+        mod single { $(#[test] fn $name() { super::$name::<f32>(); })* }
+        mod double { $(#[test] fn $name() { super::$name::<f64>(); })* }
+    };
+}
+pub(crate) use in_both_precisions;

@@ -1,0 +1,102 @@
+//! The one table of tolerances, each with its reason. `u` is the unit roundoff of the precision under test, `M` the
+//! largest coordinate of a query.
+
+use ocellus_kernel::Real;
+use ocellus_kernel::light::LightSampling;
+
+/// The unit roundoff as f64.
+pub(crate) fn u<R: Real>() -> f64 {
+    R::UNIT_ROUNDOFF.to_f64()
+}
+
+/// Picks a tolerance by precision: f32 forms much in f64, where f64 has nothing wider.
+pub(crate) fn by_precision<R: Real>(single: f64, double: f64) -> f64 {
+    if R::WIDE_IS_SELF { double } else { single }
+}
+
+/// Chance of one statistical test to fail for no reason: 1e-4 for the suite, shared by at most 200 tests (Sidak's
+/// correction is the same to this many digits).
+pub(crate) const SIGNIFICANCE: f64 = 1e-4 / 200.0;
+
+/// Error in u of the length and the direction of a normalized vector. f32: one rounding of an f64 result. f64: a sum
+/// of three squares (3 u, halved by the root), root, quotient and product: 4.5 u.
+pub(crate) fn unit_length<R: Real>() -> f64 {
+    by_precision::<R>(1.01, 4.5)
+}
+
+/// Error in u of the lengths and scalar products of a frame: Duff et al. measured 2.9 u in f32 for an exact normal,
+/// 5.4 u in f64; a normal that is itself [`unit_length`] off adds to that.
+pub(crate) const FRAME: f64 = 10.0;
+
+/// Below this many u M / r a ray grazes its sphere: the side on which it leaves is not decided by its bits.
+pub(crate) const GRAZING: f64 = 64.0;
+
+/// Distance in u M from a point to the origin of a ray spawned there: the bound on its error (gamma(7) of the
+/// barycentric sum, gamma(3) of the plane: 10 u M per axis, times |n|_1 <= sqrt 3) and two roundings.
+pub(crate) const OFFSET: f64 = 20.0;
+
+/// Above this a product of two f64 and its rounding error (2^-106 times smaller) are both normal numbers.
+pub(crate) const NORMAL_PRODUCT: f64 = 1e-270;
+
+/// Error in u of a component of the view axis: computed in f64, rounded, normalized again.
+pub(crate) const CAMERA_AXIS: f64 = 6.0;
+
+/// Error in u of a component of a pixel's direction: position on the film 2 u, axes exact, length 3 u; in f64 the
+/// tangent of the oracle adds its own.
+pub(crate) const CAMERA_PIXEL: f64 = 6.0;
+
+/// Distance in u of the scene's size between rays of one pixel where they should meet: direction 5 u, lens point
+/// 3 u, and the test's own intersection with the plane.
+pub(crate) const FOCUS: f64 = 16.0;
+
+/// Error in u, in pixels, of a film position found back from a direction of the 16 by 16 camera: 8 pixels over a
+/// tangent of 0.42, times the error of a direction.
+pub(crate) const FILM_POSITION: f64 = 150.0;
+
+/// Within this many u (D + r) of touching a sphere, or of starting on it, a ray may hit it or not: the exact answer
+/// changes if the inputs move by a few roundings.
+pub(crate) const UNDECIDED: f64 = 16.0;
+
+/// Error of a sphere's t in u times its condition number, where it is formed in the wide precision: one rounding.
+pub(crate) const SPHERE_T_WIDE: f64 = 1.0;
+
+/// The same where nothing wider is at hand.
+pub(crate) const SPHERE_T: f64 = 4.0;
+
+/// Distance in u M from an edge within which a triangle may be hit or missed: the shear of its corners.
+pub(crate) const TRIANGLE_EDGE: f64 = 16.0;
+
+/// Distance in u M of a hit from the triangle's plane, measured across it.
+pub(crate) const TRIANGLE_T: f64 = 8.0;
+
+/// Distance in u M of the barycentric point from the ray.
+pub(crate) const BARYCENTRIC: f64 = 16.0;
+
+/// Error in u of the squared length of a direction, or of the radius of a point, made from two numbers: sine and
+/// cosine 1 u each, two roots, products and a frame.
+pub(crate) const UNIT_SAMPLE: f64 = 16.0;
+
+/// Relative error in u of the solid angle of a cone.
+pub(crate) const SOLID_ANGLE: f64 = 8.0;
+
+/// Relative error in u of a path's radiance for each scattering event: the throughput's product, the sum, and the
+/// rounding of albedo and emission to the precision.
+pub(crate) const PER_BOUNCE: f64 = 4.0;
+
+/// Relative error in u of the direct light of a point light on a sphere around it: the point 2 u, hence 4 u in its
+/// squared distance, and the cosine, the intensity and the products.
+pub(crate) const LIT_SURFACE: f64 = 16.0;
+
+/// The same on a plane, where the point is as far off as the camera is (here up to 5 times the light's distance),
+/// and the inverse cube of the distance magnifies that.
+pub(crate) const LIT_PLANE: f64 = 128.0;
+
+/// Relative standard error that a mean must reach for a bias to show: solid angles hardly vary, points of a
+/// hemisphere that may not be seen do, light found by chance varies most.
+pub(crate) fn bias(sampling: LightSampling) -> f64 {
+    match sampling {
+        LightSampling::Cone => 5e-4,
+        LightSampling::Hemisphere => 3e-3,
+        LightSampling::None => 1e-2,
+    }
+}

@@ -1,0 +1,220 @@
+//! Vectors, frames and ray origins: what every other bound stands on.
+
+use ocellus_kernel::Real;
+use ocellus_kernel::ray::Ray;
+use ocellus_kernel::real::{Vec3, Vector};
+use ocellus_kernel::robust::{normalize, offset_ray_origin};
+use ocellus_kernel::shape::Sphere;
+use ocellus_kernel::surface::surface_point;
+use ocellus_kernel::{Everything, Scene};
+use proptest::prelude::*;
+
+use crate::support::exact::{Exact, ExactVec, exact, to_f64};
+use crate::support::in_both_precisions;
+use crate::support::meshes::Mesh;
+use crate::support::property::{component, direction, for_all, power_of_two};
+use crate::support::random::Random;
+use crate::support::scene::{OwnedScene, v};
+use crate::support::tolerance::{self, u};
+
+in_both_precisions!(
+    dot_and_cross_keep_their_order,
+    differences_of_products_have_the_exact_sign,
+    normalize_is_unit_and_keeps_the_direction,
+    frames_are_orthonormal_and_right_handed,
+    spawned_rays_leave_triangles,
+    spawned_rays_leave_spheres,
+    offsets_are_a_few_ulps,
+);
+
+/// The order of every sum is part of the promise of equal bits.
+fn dot_and_cross_keep_their_order<R: Real>() {
+    for_all(2000, (direction(), direction()), |(a, b)| {
+        let ([ax, ay, az], [bx, by, bz]) = (a.map(R::from_f64), b.map(R::from_f64));
+        let (a, b) = (v::<R>(a), v::<R>(b));
+        prop_assert_eq!(a.dot(b), (ax * bx + ay * by) + az * bz);
+        let cross = [ay * bz - by * az, az * bx - bz * ax, ax * by - bx * ay];
+        prop_assert_eq!(a.cross(b).to_array(), cross);
+        Ok(())
+    });
+}
+
+/// Products that nearly cancel, as at the edges of triangles.
+fn differences_of_products_have_the_exact_sign<R: Real>() {
+    let steps = prop::array::uniform4(-3i32..=3);
+    for_all(5000, (component(), component(), power_of_two(-40..40), steps), |(a, b, scale, steps)| {
+        let step = |x: R, n: i32| (0..n.abs()).fold(x, |x, _| if n < 0 { x.next_down() } else { x.next_up() });
+        let factors = [a, b, a * scale, b / scale].map(R::from_f64);
+        let [a, b, c, d]: [R; 4] = std::array::from_fn(|i| step(factors[i], steps[i]));
+        let underflows = |x: R, y: R| x != R::ZERO && y != R::ZERO && (x * y).abs().to_f64() < tolerance::NORMAL_PRODUCT;
+        if R::WIDE_IS_SELF && (underflows(a, b) || underflows(c, d)) {
+            return Ok(());
+        }
+        let found = R::difference_of_products(a, b, c, d).to_f64();
+        let [ea, eb, ec, ed] = [a, b, c, d].map(|x| exact(x.to_f64()));
+        let truth: Exact = ea * eb - ec * ed;
+        let zero = exact(0.0);
+        prop_assert_eq!(found > 0.0, truth > zero, "{:?} {} {}", [a, b, c, d], found, to_f64(&truth));
+        prop_assert_eq!(found < 0.0, truth < zero, "{:?} {} {}", [a, b, c, d], found, to_f64(&truth));
+        Ok(())
+    });
+}
+
+fn normalize_is_unit_and_keeps_the_direction<R: Real>() {
+    let exponents = if R::WIDE_IS_SELF { -450..500 } else { -126..127 };
+    for_all(3000, (direction(), power_of_two(exponents)), |(direction, scale)| {
+        let given: Vec3<R> = v::<R>(direction.map(|x| x * scale));
+        prop_assume!(given != Vec3::<R>::ZERO);
+        let unit = ExactVec::new::<R>(normalize::<R>(given));
+        let length_error = to_f64(&(unit.length() - exact(1.0))).abs();
+        let direction_error = to_f64(&(&unit - &ExactVec::new::<R>(given).unit()).length());
+        prop_assert!(length_error <= tolerance::unit_length::<R>() * u::<R>(), "length {} u", length_error / u::<R>());
+        prop_assert!(
+            direction_error <= tolerance::unit_length::<R>() * u::<R>(),
+            "direction {} u",
+            direction_error / u::<R>()
+        );
+        Ok(())
+    });
+    assert_eq!(normalize::<R>(Vec3::<R>::ZERO), Vec3::<R>::ZERO);
+}
+
+fn frames_are_orthonormal_and_right_handed<R: Real>() {
+    let near_poles = (power_of_two(-27..-3), 0.0..std::f64::consts::TAU, any::<bool>()).prop_map(|(sine, turn, up)| {
+        let z = (1.0 - sine * sine).sqrt();
+        [sine * libm::cos(turn), sine * libm::sin(turn), if up { z } else { -z }]
+    });
+    let bad = prop::sample::select(vec![
+        // Duff et al. 2017, section 2: where Frisvad's frame fails.
+        [0.00038527316, 0.00038460016, -0.99999988079],
+        [-0.00019813581, -0.00008946839, -0.99999988079],
+        [1.0, 0.0, -0.0],
+        [0.0, 0.0, -1.0],
+        [0.0, -0.0, 1.0],
+    ]);
+    for_all(3000, prop_oneof![direction(), near_poles, bad], |n| {
+        let n = normalize::<R>(v::<R>(n));
+        let [x, y] = ocellus_kernel::warp::frame::<R>(n);
+        let axes = [x, y, n].map(ExactVec::new::<R>);
+        let bound = tolerance::FRAME * u::<R>();
+        for i in 0..3 {
+            let length = to_f64(&(axes[i].length() - exact(1.0))).abs();
+            let dot = to_f64(&axes[i].dot(&axes[(i + 1) % 3])).abs();
+            prop_assert!(length <= bound && dot <= bound, "{n:?}: {} u, {} u", length / u::<R>(), dot / u::<R>());
+        }
+        prop_assert!(to_f64(&axes[0].cross(&axes[1]).dot(&axes[2])) > 0.0);
+        Ok(())
+    });
+}
+
+/// A random triangle of size `size`, moved away by up to 1e5 times that.
+fn triangle(random: &mut Random, size: f64) -> Mesh {
+    let far = if random.below(2) == 0 { 0.0 } else { size * libm::exp(random.between(0.0, 11.5)) };
+    let center = random.in_cube().map(|x| x * far);
+    let positions = (0..3).map(|_| {
+        let offset = random.in_cube();
+        std::array::from_fn(|i| center[i] + size * offset[i])
+    });
+    Mesh { positions: positions.collect(), triangles: vec![[0, 1, 2]] }
+}
+
+/// A direction whose cosine with `n` lies between 1e-5 and 1, on either side.
+fn leaving<R: Real>(random: &mut Random, n: Vec3<R>) -> Vec3<R> {
+    let cosine = libm::exp(random.between(-11.5, 0.0)) * if random.below(2) == 0 { 1.0 } else { -1.0 };
+    let turn = random.between(0.0, std::f64::consts::TAU);
+    let sine = (1.0 - cosine * cosine).sqrt();
+    let local = v::<R>([sine * libm::cos(turn), sine * libm::sin(turn), cosine]);
+    ocellus_kernel::warp::to_world::<R>(n, local)
+}
+
+/// Hits a random point of a scene's only primitive from outside, and spawns a ray there.
+fn spawn<R: Real>(
+    random: &mut Random,
+    scene: &Scene<'_, R>,
+    target: Vec3<R>,
+    reach: f64,
+) -> Option<(ocellus_kernel::surface::SurfacePoint<R>, Ray<R>)> {
+    let to = random.on_sphere().map(|x| x * reach);
+    let first = Ray::new(target - v::<R>(to), v::<R>(to));
+    let hit = scene.intersect(&first)?;
+    let point = surface_point::<R, Everything>(scene, &first, &hit);
+    let wi = leaving::<R>(random, point.ng);
+    Some((point, Ray::new(offset_ray_origin::<R>(point.p, point.p_error, point.ng, wi), wi)))
+}
+
+/// Oracle: a ray that leaves a plane never meets it again.
+fn spawned_rays_leave_triangles<R: Real>() {
+    let mut random = Random::new(1);
+    let mut spawned = 0;
+    for _ in 0..100_000 {
+        let size = libm::exp(random.between(-9.2, 13.8));
+        let mut scene = OwnedScene::<R>::default();
+        let grey = scene.diffuse(0.5, 0.0);
+        scene.mesh(&triangle(&mut random, size), grey);
+        let weights = random.barycentric().map(R::from_f64);
+        let [a, b, c] = scene.geometry().corners(0);
+        let target = a * weights[0] + b * weights[1] + c * weights[2];
+        scene.lend(None, |scene| {
+            let Some((_, ray)) = spawn::<R>(&mut random, scene, target, size) else { return };
+            spawned += 1;
+            let again = scene.intersect(&ray);
+            assert!(again.is_none(), "{:?} meets {:?} again: {again:?}", ray, scene.geometry().corners(0));
+        });
+    }
+    assert!(spawned > 80_000, "only {spawned} rays had a place to start from");
+}
+
+/// Oracle: a ray that leaves a sphere outward never meets it again; one that goes inward crosses the whole chord.
+fn spawned_rays_leave_spheres<R: Real>() {
+    let mut random = Random::new(2);
+    let mut judged = 0;
+    for _ in 0..100_000 {
+        let size = libm::exp(random.between(-9.2, 13.8));
+        let mut scene = OwnedScene::<R>::default();
+        let grey = scene.diffuse(0.5, 0.0);
+        let far = if random.below(2) == 0 { 0.0 } else { size * libm::exp(random.between(0.0, 9.0)) };
+        let center = random.in_cube().map(|x| x * far);
+        scene.sphere(center, size, grey);
+        let Sphere { center, radius, .. } = scene.spheres[0];
+        scene.lend(None, |scene| {
+            let target = center + v::<R>(random.in_cube()) * (radius * R::from_f64(0.5));
+            let (point, ray) = spawn::<R>(&mut random, scene, target, size * 3.0).expect("the sphere is hit");
+            let cosine = ray.direction.dot(point.ng).to_f64();
+            let coordinates = point.p.abs().max_component().to_f64().max(size);
+            if cosine.abs() < tolerance::GRAZING * u::<R>() * coordinates / size {
+                return;
+            }
+            judged += 1;
+            let again = scene.intersect(&ray);
+            if cosine > 0.0 {
+                assert!(again.is_none(), "{ray:?} meets {:?} again: {again:?}", scene.geometry().spheres());
+            } else {
+                let chord = -2.0 * cosine * size;
+                let t = again.map_or(0.0, |hit| hit.t.to_f64());
+                assert!(t > 0.5 * chord, "{ray:?} loses the far side: {t} of {chord}");
+            }
+        });
+    }
+    assert!(judged > 80_000, "only {judged} rays were steep enough");
+}
+
+/// The offset must not eat gaps: it stays within a fixed number of roundings of the coordinates at every scale.
+fn offsets_are_a_few_ulps<R: Real>() {
+    let mut random = Random::new(3);
+    for _ in 0..50_000 {
+        let size = libm::exp(random.between(-9.2, 13.8));
+        let mut scene = OwnedScene::<R>::default();
+        let grey = scene.diffuse(0.5, 0.0);
+        scene.mesh(&triangle(&mut random, size), grey);
+        let [a, b, c] = scene.geometry().corners(0);
+        let target = (a + b + c) * R::from_f64(1.0 / 3.0);
+        scene.lend(None, |scene| {
+            let Some((point, ray)) = spawn::<R>(&mut random, scene, target, size) else { return };
+            let moved = (ray.origin - point.p).abs().max_component().to_f64();
+            let largest = [a, b, c].map(|corner| corner.abs().max_component().to_f64());
+            let largest = largest.into_iter().fold(0.0, f64::max);
+            assert!(moved > 0.0, "{ray:?} starts on the surface");
+            assert!(moved <= tolerance::OFFSET * u::<R>() * largest, "{} u M", moved / (u::<R>() * largest));
+        });
+    }
+}
