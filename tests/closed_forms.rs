@@ -99,7 +99,7 @@ fn a_point_light_over_a_plane_falls_with_cosine_and_square<R: Real>() {
     for size in [1e-3, 1.0, 1e3] {
         let mut scene = OwnedScene::<R>::default();
         let grey = scene.diffuse(ALBEDO, 0.0);
-        scene.mesh(&floor(100.0 * size), grey);
+        scene.mesh(&floor(10.0 * size), grey);
         let (light, intensity) = ([0.5 * size, 0.75 * size, -0.25 * size], 3.0 * size * size);
         scene.point_light(light, intensity);
         let settings = CameraSettings { position: [size, 2.0 * size, 3.0 * size], field_of_view: 0.5, ..CAMERA };
@@ -180,9 +180,12 @@ fn a_sphere_light_over_a_plane_has_its_form_factor<R: Real>() {
                 continue;
             }
             let what = format!("r {radius} d {distance} cos {cosine} {light_sampling:?}");
-            let moments = mean(&scene, &PathOptions { light_sampling, ..options(1) }, 300_000);
+            let samples = if light_sampling == LightSampling::Cone { 1_000_000 } else { 300_000 };
+            let moments = mean(&scene, &PathOptions { light_sampling, ..options(1) }, samples);
             moments.assert_mean(&what, expected, tolerance::LIT_PLANE * u::<R>());
-            moments.assert_precise(&what, tolerance::bias(light_sampling));
+            // Directions below the horizon are wasted, which costs precision.
+            let waste = if cosine * distance < radius { 4.0 } else { 1.0 };
+            moments.assert_precise(&what, waste * tolerance::bias(light_sampling));
         }
     }
 }

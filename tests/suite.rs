@@ -19,3 +19,6 @@ mod sampling;
 
 /// Pictures with known answers.
 mod closed_forms;
+
+/// Lossless surfaces lose nothing, path by path; glass shares light as Fresnel says.
+mod furnace;

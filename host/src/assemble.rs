@@ -179,7 +179,8 @@ impl<R: Real> Arrays<R> {
         match light {
             LightDescription::Point { position, power, .. } => {
                 let intensity = *power * (0.25 * std::f64::consts::FRAC_1_PI);
-                self.lights.push(Light::Point(PointLight { position: vec3::<R>(*position), intensity: vec3::<R>(intensity) }));
+                self.lights
+                    .push(Light::Point(PointLight { position: vec3::<R>(*position), intensity: vec3::<R>(intensity) }));
             }
             LightDescription::Sphere { center, radius, radiance, .. } => {
                 self.lights.push(Light::Sphere(SphereLight { sphere: self.spheres.len() as u32 }));
@@ -190,7 +191,8 @@ impl<R: Real> Arrays<R> {
                     inverted: false,
                 });
                 let black = Diffuse { albedo: vec3::<R>(DVec3::ZERO), texture: None };
-                self.materials.push(Material { scattering: Scattering::Diffuse(black), emission: vec3::<R>(*radiance) });
+                self.materials
+                    .push(Material { scattering: Scattering::Diffuse(black), emission: vec3::<R>(*radiance) });
             }
         }
     }
@@ -258,7 +260,9 @@ fn material<R: Real>(description: &MaterialDescription) -> Material<R> {
         ScatteringDescription::Diffuse { albedo, texture } => {
             Scattering::Diffuse(Diffuse { albedo: vec3::<R>(*albedo), texture: texture.map(|index| index as u32) })
         }
-        ScatteringDescription::Mirror { reflectance } => Scattering::Mirror(Mirror { reflectance: vec3::<R>(*reflectance) }),
+        ScatteringDescription::Mirror { reflectance } => {
+            Scattering::Mirror(Mirror { reflectance: vec3::<R>(*reflectance) })
+        }
         ScatteringDescription::Dielectric { interior_ior, exterior_ior, transmittance } => {
             Scattering::Dielectric(Dielectric {
                 interior_ior: R::from_f64(*interior_ior),

@@ -1,13 +1,22 @@
-//! The renderer on top of `ocellus-kernel`.
+//! The renderer on top of `ocellus-kernel`: loads OBJ and TOML scenes, renders in parallel, writes pictures.
+//!
+//! A picture's way: [`load`] reads files into a [`description::SceneDescription`]; [`assemble`] makes the kernel's
+//! slices of it, in the precision chosen; [`kernels`] picks the smallest kernel that covers it; [`render`] runs it on
+//! all threads into a [`film::Film`]; [`output`] writes pictures. [`commands`] is the program's face.
 
 pub mod assemble;
+pub mod cli;
+pub mod commands;
+pub mod demand;
 pub mod description;
 pub mod diff;
 pub mod error;
 pub mod film;
 pub mod input;
+pub mod interrupt;
 pub mod kernels;
 pub mod load;
 pub mod output;
 pub mod picture;
+pub mod progress;
 pub mod render;

@@ -1,1 +1,12 @@
-fn main() {}
+//! The program `ocellus`: reads the command line, runs it, exits with its code.
+
+use clap::Parser;
+use ocellus::cli::Cli;
+
+fn main() {
+    let code = ocellus::commands::run(&Cli::parse()).unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        error.code
+    });
+    std::process::exit(code as i32);
+}

@@ -87,8 +87,8 @@ pub(crate) const PER_BOUNCE: f64 = 4.0;
 /// squared distance, and the cosine, the intensity and the products.
 pub(crate) const LIT_SURFACE: f64 = 16.0;
 
-/// The same on a plane, where the point is as far off as the camera is (here up to 5 times the light's distance),
-/// and the inverse cube of the distance magnifies that.
+/// The same on a plane, where the point is off by a few u of the plane's size (here 13 times the light's height), and
+/// the inverse cube of the distance magnifies that.
 pub(crate) const LIT_PLANE: f64 = 128.0;
 
 /// Relative standard error that a mean must reach for a bias to show: solid angles hardly vary, points of a
@@ -100,3 +100,10 @@ pub(crate) fn bias(sampling: LightSampling) -> f64 {
         LightSampling::None => 1e-2,
     }
 }
+
+/// Share of paths that may still be inside of a body of glass after 200 scattering events.
+pub(crate) const TRAPPED: f64 = 1e-3;
+
+/// Error in u of a reflectance formed from given cosines: their own rounding, magnified up to 5 times where refraction
+/// nears its end (sine 0.99), squared; and the oracle's.
+pub(crate) const FRESNEL: f64 = 64.0;

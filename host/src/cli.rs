@@ -1,0 +1,166 @@
+//! The command line: what can be asked for, and how it is read.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::assemble::Accel;
+use crate::diff::Metric;
+use crate::film::Region;
+use crate::kernels::EffectChoice;
+use crate::render::Precision;
+
+/// A path tracer that says what accuracy costs.
+#[derive(Debug, Parser)]
+#[command(name = "ocellus", version, about, max_term_width = 100, arg_required_else_help = true, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 diff above --tolerance; 2 usage; 65 bad scene; 66 missing input;
+73, 74 cannot write; 130, 143 interrupted, picture so far saved.";
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to picture files.
+    Render(RenderArgs),
+    /// Say which effects a scene calls for, which line asked for each, and what the render will use.
+    Explain(ExplainArgs),
+    /// Compare two pictures.
+    Diff(DiffArgs),
+}
+
+/// What changes a scene before it is used.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// A scene file (.toml), or a mesh (.obj) that gets a camera and a light of its own.
+    pub scene: PathBuf,
+    /// Size of the picture in pixels.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Scattering events a path may have: 0 shows emitters only, 1 direct light.
+    #[arg(long, value_name = "N")]
+    pub max_bounces: Option<u32>,
+    /// Seed of the sample numbers.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Precision of all geometry and light.
+    #[arg(long, value_enum, default_value_t)]
+    pub precision: Precision,
+    /// How the closest surface is found; the picture is the same.
+    #[arg(long, value_enum, default_value_t)]
+    pub accel: Accel,
+    /// Use the smallest kernel that covers the scene, or the one that can do everything; the picture is the same.
+    #[arg(long, value_enum, default_value = "auto")]
+    pub effects: EffectChoice,
+    /// Print one JSON object on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `ocellus render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// The scene and what is changed of it.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Where to write: .png (to look at) or .exr (linear float); repeatable [default: SCENE's name with .png].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Samples per pixel.
+    #[arg(long, value_name = "N", conflicts_with = "samples", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Only samples A, A+1, ... B-1 of each pixel.
+    #[arg(long, value_name = "A..B", value_parser = parse_samples)]
+    pub samples: Option<Range<u32>>,
+    /// Only pixels x0 <= x < x1, y0 <= y < y1: exactly that part of the whole picture.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_crop)]
+    pub crop: Option<Region>,
+    /// Worker threads; 0 is one for each core. The picture is the same.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+    /// Stops of exposure of the PNG.
+    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    pub exposure: Option<f64>,
+    /// Encode the PNG as x^(1/G) instead of the sRGB curve; 1 is linear.
+    #[arg(long, value_name = "G")]
+    pub gamma: Option<f64>,
+}
+
+/// `ocellus explain`.
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    /// The scene and what is changed of it.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+}
+
+/// `ocellus diff`.
+#[derive(Debug, Args)]
+pub struct DiffArgs {
+    /// A picture, .png or .exr.
+    pub a: PathBuf,
+    /// The picture it is compared with: the reference.
+    pub b: PathBuf,
+    /// Write a map of the relative error as a PNG.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// The metric that --tolerance bounds: rmse, relmse or flip.
+    #[arg(long, default_value = "relmse", value_parser = |text: &str| text.parse::<Metric>().map_err(|e| e.to_string()))]
+    pub metric: Metric,
+    /// Exit with 1 if the metric is above this.
+    #[arg(long, value_name = "X")]
+    pub tolerance: Option<f64>,
+    /// Print one JSON object on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let side = |side: &str| side.parse::<u32>().ok().filter(|n| (1..=65_535).contains(n));
+    let parsed = text.split_once('x').and_then(|(w, h)| Some([side(w)?, side(h)?]));
+    parsed.ok_or_else(|| "write width x height, each 1 to 65535, as in 640x480".to_owned())
+}
+
+fn parse_samples(text: &str) -> Result<Range<u32>, String> {
+    let parsed = text.split_once("..").and_then(|(a, b)| Some(a.parse().ok()?..b.parse().ok()?));
+    parsed
+        .filter(|range| range.start < range.end)
+        .ok_or_else(|| "write first..end, as in 0..64; end is not included".to_owned())
+}
+
+fn parse_crop(text: &str) -> Result<Region, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Region { x0, y0, x1, y1 }),
+        _ => Err("write x0,y0,x1,y1 with x0 < x1 and y0 < y1; x1 and y1 are not included".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn values_are_read_or_refused_with_an_example() {
+        assert_eq!(parse_size("640x480"), Ok([640, 480]));
+        assert_eq!(parse_samples("3..9"), Ok(3..9));
+        assert_eq!(parse_crop("0, 1,2,3"), Ok(Region { x0: 0, y0: 1, x1: 2, y1: 3 }));
+        for text in ["640", "0x480", "640x70000", "axb"] {
+            assert!(parse_size(text).unwrap_err().contains("640x480"));
+        }
+        assert!(parse_samples("9..9").is_err() && parse_samples("4").is_err());
+        assert!(parse_crop("1,1,1,2").is_err() && parse_crop("1,2,3").is_err());
+    }
+}

@@ -1,0 +1,55 @@
+//! The subcommands: from arguments to what is printed and written.
+
+mod diff;
+mod explain;
+mod render;
+
+use crate::cli::{Cli, Command, SceneArgs};
+use crate::description::SceneDescription;
+use crate::error::{Error, ExitCode};
+use crate::load::load_scene;
+
+/// Runs the program.
+///
+/// # Errors
+/// Whatever stopped it, with its exit code.
+pub fn run(cli: &Cli) -> Result<ExitCode, Error> {
+    match &cli.command {
+        Command::Render(args) => render::run(args),
+        Command::Explain(args) => explain::run(&args.scene),
+        Command::Diff(args) => diff::run(args),
+    }
+}
+
+/// Loads a scene, applies what the command line changes, and tells the user what the loaders noticed.
+fn load(args: &SceneArgs) -> Result<SceneDescription, Error> {
+    let mut scene = load_scene(&args.scene)?;
+    if let Some([width, height]) = args.size {
+        (scene.film.width, scene.film.height) = (width, height);
+    }
+    if let Some(max_bounces) = args.max_bounces {
+        scene.integrator.max_bounces = max_bounces;
+    }
+    if let Some(seed) = args.seed {
+        scene.integrator.seed = seed;
+    }
+    for warning in &scene.warnings {
+        eprintln!("warning: {warning}");
+    }
+    Ok(scene)
+}
+
+/// What vectors of code this program was compiled for.
+fn instruction_set() -> &'static str {
+    if cfg!(target_feature = "avx512f") {
+        "avx512"
+    } else if cfg!(target_feature = "avx2") {
+        "avx2"
+    } else if cfg!(target_feature = "sse2") {
+        "sse2"
+    } else if cfg!(target_feature = "neon") {
+        "neon"
+    } else {
+        "scalar"
+    }
+}
