@@ -135,7 +135,10 @@ fn occlusion_agrees_with_the_closest_hit<R: Real>() {
                 let Some(hit) = hit else { continue };
                 hits += 1;
                 let upto = Ray { tmax: hit.t, ..ray };
-                assert!(lent.occluded(&upto) && bits(lent.intersect(&upto)) == bits(Some(hit)), "{structure:?} {ray:?}");
+                assert!(
+                    lent.occluded(&upto) && bits(lent.intersect(&upto)) == bits(Some(hit)),
+                    "{structure:?} {ray:?}"
+                );
                 let before = Ray { tmax: hit.t.next_down(), ..ray };
                 assert!(!lent.occluded(&before), "{structure:?} {ray:?}");
             }

@@ -198,11 +198,8 @@ fn a_filter_that_is_compiled_out_falls_back_to_a_box<R: Real>() {
 fn directions_do_not_depend_on_the_position<R: Real>() {
     for_all(1000, (framings(), prop::array::uniform3(-1_000_000i32..1_000_000)), |((settings, x, y), shift)| {
         let shifted = |p: [f64; 3]| std::array::from_fn(|i| p[i] + f64::from(shift[i]));
-        let moved = CameraSettings {
-            position: shifted(settings.position),
-            look_at: shifted(settings.look_at),
-            ..settings
-        };
+        let moved =
+            CameraSettings { position: shifted(settings.position), look_at: shifted(settings.look_at), ..settings };
         let [here, there] = [&settings, &moved].map(|s| camera::<R>(s).ray::<Everything>(x, y, [0; 4]));
         prop_assert_eq!(here.direction, there.direction);
         prop_assert_eq!(there.origin, v::<R>(moved.position));

@@ -63,7 +63,9 @@ fn the_cosine_hemisphere_follows_its_density<R: Real>() {
     for [a, b] in pairs::<R>() {
         let d = to_world::<R>(n, cosine_hemisphere(a, b));
         let [x, y, z] = [x, y, n].map(|axis| axis.dot(d).to_f64());
-        assert!(z >= -tolerance::FRAME * u::<R>() && (d.dot(d).to_f64() - 1.0).abs() <= tolerance::UNIT_SAMPLE * u::<R>());
+        assert!(
+            z >= -tolerance::FRAME * u::<R>() && (d.dot(d).to_f64() - 1.0).abs() <= tolerance::UNIT_SAMPLE * u::<R>()
+        );
         counts[cell(z.max(0.0), turn(x, y))] += 1;
     }
     assert_follows("cosine hemisphere", &counts, &expected(|cosine| cosine * cosine));
@@ -203,7 +205,9 @@ fn philox_is_even_along_every_part_of_the_address() {
 #[test]
 fn addresses_do_not_collide() {
     let mut seen = std::collections::HashSet::new();
-    for (x, y) in [0, 1, 2, 255, 256, 32_767, 32_768, 65_535].into_iter().flat_map(|x| [0, 1, 256, 65_535].map(|y| (x, y))) {
+    for (x, y) in
+        [0, 1, 2, 255, 256, 32_767, 32_768, 65_535].into_iter().flat_map(|x| [0, 1, 256, 65_535].map(|y| (x, y)))
+    {
         for (sample, vertex) in [0, 1, 65_536, u32::MAX].into_iter().flat_map(|s| [0, 1, 63].map(|v| (s, v))) {
             for block in [Block::Scatter, Block::Light] {
                 let mut sampler = AddressedSampler::new(9, x, y, sample);

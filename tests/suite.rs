@@ -22,3 +22,19 @@ mod closed_forms;
 
 /// Lossless surfaces lose nothing, path by path; glass shares light as Fresnel says.
 mod furnace;
+
+/// Sums that no order, split or resume can change.
+mod film;
+
+/// Each effect is found, does something, and leaves no trace where it is not asked for.
+mod effects;
+
+/// Building and tracing never allocate.
+mod no_alloc;
+
+/// Every error of the kernel, and its words.
+mod errors_kernel;
+
+/// What the compiler made of a specialised kernel.
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+mod machine_code;

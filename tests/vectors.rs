@@ -46,7 +46,8 @@ fn differences_of_products_have_the_exact_sign<R: Real>() {
         let step = |x: R, n: i32| (0..n.abs()).fold(x, |x, _| if n < 0 { x.next_down() } else { x.next_up() });
         let factors = [a, b, a * scale, b / scale].map(R::from_f64);
         let [a, b, c, d]: [R; 4] = std::array::from_fn(|i| step(factors[i], steps[i]));
-        let underflows = |x: R, y: R| x != R::ZERO && y != R::ZERO && (x * y).abs().to_f64() < tolerance::NORMAL_PRODUCT;
+        let underflows =
+            |x: R, y: R| x != R::ZERO && y != R::ZERO && (x * y).abs().to_f64() < tolerance::NORMAL_PRODUCT;
         if R::WIDE_IS_SELF && (underflows(a, b) || underflows(c, d)) {
             return Ok(());
         }

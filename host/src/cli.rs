@@ -44,7 +44,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[u32; 2]>,
     /// Scattering events a path may have: 0 shows emitters only, 1 direct light.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=65_535))]
     pub max_bounces: Option<u32>,
     /// Seed of the sample numbers.
     #[arg(long)]
@@ -82,8 +82,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_crop)]
     pub crop: Option<Region>,
     /// Worker threads; 0 is one for each core. The picture is the same.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    pub threads: u16,
     /// Stops of exposure of the PNG.
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     pub exposure: Option<f64>,

@@ -39,6 +39,11 @@ impl Region {
 #[error("films of different regions cannot be merged: {0:?} and {1:?}")]
 pub struct RegionMismatch(pub Region, pub Region);
 
+/// There is no memory for a film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a film of {} x {} pixels needs more memory than there is", .0.width(), .0.height())]
+pub struct FilmTooLarge(pub Region);
+
 /// The pixels of a region.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
@@ -56,9 +61,22 @@ pub struct NonFinite {
 }
 
 impl Film {
-    /// A film without samples.
+    /// A film without samples. Aborts without memory for it, as `Vec` does; [`Film::try_new`] does not.
     pub fn new(region: Region) -> Self {
         Self { region, pixels: vec![Pixel::EMPTY; region.width() as usize * region.height() as usize] }
+    }
+
+    /// A film without samples.
+    ///
+    /// # Errors
+    /// [`FilmTooLarge`] where the system refuses the memory. (Systems that promise more memory than they have may
+    /// break that promise later.)
+    pub fn try_new(region: Region) -> Result<Self, FilmTooLarge> {
+        let count = region.width() as usize * region.height() as usize;
+        let mut pixels = Vec::new();
+        pixels.try_reserve_exact(count).map_err(|_| FilmTooLarge(region))?;
+        pixels.resize(count, Pixel::EMPTY);
+        Ok(Self { region, pixels })
     }
 
     /// What part of the picture this is.
@@ -83,6 +101,12 @@ impl Film {
             pixel.merge(other);
         }
         Ok(())
+    }
+
+    /// The fewest and the most samples that a pixel has, finite or not.
+    pub fn samples_per_pixel(&self) -> [u32; 2] {
+        let counts = || self.pixels.iter().map(|pixel| pixel.count() + pixel.non_finite());
+        [counts().min().unwrap_or(0), counts().max().unwrap_or(0)]
     }
 
     /// The linear picture of the means.

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the first stops the render and saves the picture so far, the second ends the program.
+//! Ctrl-C and SIGTERM: the first of them stops the render and saves the picture so far, the next ends the program.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -17,11 +17,11 @@ impl Interrupt {
     /// Listens for SIGINT and SIGTERM from now on. Where that is not possible, they end the program at once.
     pub fn listen() -> Self {
         let interrupt = Self::default();
+        let again = Arc::new(AtomicBool::new(false));
         for (signal, code) in [(SIGINT, ExitCode::Interrupted), (SIGTERM, ExitCode::Terminated)] {
-            let again = Arc::new(AtomicBool::new(false));
             // The order counts: the check for a second signal has to run before the first one is noted.
             let registered = signal_hook::flag::register_conditional_shutdown(signal, code as i32, Arc::clone(&again))
-                .and_then(|_| signal_hook::flag::register(signal, again))
+                .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&again)))
                 .and_then(|_| {
                     signal_hook::flag::register_usize(signal, Arc::clone(&interrupt.signal), signal as usize)
                 });

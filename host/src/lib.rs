@@ -20,3 +20,8 @@ pub mod output;
 pub mod picture;
 pub mod progress;
 pub mod render;
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct ReadmeExamples;

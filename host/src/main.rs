@@ -5,7 +5,7 @@ use ocellus::cli::Cli;
 
 fn main() {
     let code = ocellus::commands::run(&Cli::parse()).unwrap_or_else(|error| {
-        eprintln!("error: {error}");
+        ocellus::commands::tell(format_args!("error: {error}"));
         error.code
     });
     std::process::exit(code as i32);

@@ -2,6 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::commands::words::abridged;
 use crate::interrupt::Interrupt;
 use crate::render::Monitor;
 
@@ -20,7 +21,7 @@ impl Progress {
         let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
         let per_second = |state: &indicatif::ProgressState, out: &mut dyn std::fmt::Write| {
             // A failure to format leaves the bar without the rate.
-            let _ = write!(out, "{:.2} M paths/s", state.per_sec() * 1e-6);
+            let _ = write!(out, "{} paths/s", abridged(state.per_sec()));
         };
         bar.set_style(style.progress_chars("=> ").with_key("per_sec", per_second));
         Self { bar, interrupt }

@@ -111,7 +111,8 @@ const LARGEST_PASS: u32 = 16;
 /// Renders `description`. The picture depends on the description and the samples alone.
 ///
 /// # Errors
-/// A description of no usable scene or camera; a region outside of the picture; threads that cannot be started.
+/// A description of no usable scene or camera; a region outside of the picture; threads that cannot be started; a film
+/// larger than memory.
 pub fn render(
     description: &SceneDescription,
     settings: &RenderSettings,
@@ -142,7 +143,8 @@ fn render_in<R: TableReal>(
     with_view::<R, _>(description, settings.accel, |view, setup| {
         let required = view.required_effects();
         let row = select(required, settings.effects)?;
-        let mut film = Film::new(region);
+        let mut film = Film::try_new(region)
+            .map_err(|error| Error::usage(error.to_string(), "ask for a smaller --size, or for parts with --crop"))?;
         let start = Instant::now();
         let (work, interrupted) = pool.install(|| passes(view, row, &settings.samples, &mut film, monitor));
         Ok(Rendering {

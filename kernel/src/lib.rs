@@ -51,3 +51,8 @@ pub use ray::{Hit, Ray};
 pub use real::Real;
 pub use scene::{Scene, SceneParts};
 pub use view::{View, Work};
+
+/// The examples of the README are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct ReadmeExamples;

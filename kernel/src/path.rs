@@ -5,7 +5,7 @@ use crate::light::{self, LightSampling};
 use crate::material::{Diffuse, Fresnel, Scattering, dielectric, diffuse, mirror};
 use crate::ray::Ray;
 use crate::real::{Real, Vec3, Vector};
-use crate::robust::offset_ray_origin;
+use crate::robust::{offset_along_normal, offset_ray_origin};
 use crate::sampler::{Block, Sampler};
 use crate::scene::Scene;
 use crate::surface::{SurfacePoint, surface_point};
@@ -93,28 +93,34 @@ pub fn radiance<R: Real, E: EffectSet>(
 
         sampler.begin_vertex(bounce + 1);
         let numbers = sampler.numbers(Block::Scatter);
+        let facing = point.toward_viewer::<E>();
         let sample = match &material.scattering {
             Scattering::Mirror(glossy) if const { E::EFFECTS.contains(Effects::MIRROR) } => {
-                mirror::sample(&point, glossy)
+                let sample = mirror::sample(point.wo, &facing, glossy);
+                ray.origin = offset_along_normal::<R>(point.p, point.p_error, facing.ng);
+                sample
             }
             Scattering::Dielectric(glass) if const { E::EFFECTS.contains(Effects::GLASS) } => {
-                dielectric::sample(&point, glass, options.fresnel, numbers[2])
+                let sample = dielectric::sample(&point, &facing, glass, options.fresnel, numbers[2]);
+                ray.origin = offset_ray_origin::<R>(point.p, point.p_error, point.ng, sample.wi);
+                sample
             }
             Scattering::Diffuse(surface) => {
                 let albedo = albedo::<R, E>(scene, &point, surface);
                 if albedo == Vec3::<R>::ZERO {
                     break;
                 }
+                ray.origin = offset_along_normal::<R>(point.p, point.p_error, facing.ng);
                 if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
                     let light = sampler.numbers(Block::Light);
-                    let arriving = light::direct::<R, E>(scene, options, &point, light, &mut rays);
+                    let arriving = light::direct::<R, E>(scene, options, &point, &facing, ray.origin, light, &mut rays);
                     radiance = radiance + throughput * albedo * arriving;
                 }
                 if !(const { E::EFFECTS.contains(Effects::INDIRECT) } && options.indirect) {
                     break;
                 }
                 let [u, v] = [numbers[0], numbers[1]].map(R::from_unit_bits);
-                match diffuse::sample(&point, albedo, u, v) {
+                match diffuse::sample(&facing, albedo, u, v) {
                     Some(sample) => sample,
                     None => break,
                 }
@@ -131,7 +137,7 @@ pub fn radiance<R: Real, E: EffectSet>(
             }
         }
         sees_lights = sample.delta || options.light_sampling == LightSampling::None;
-        ray = Ray::new(offset_ray_origin::<R>(point.p, point.p_error, point.ng, sample.wi), sample.wi);
+        ray = Ray::new(ray.origin, sample.wi);
     }
     PathSample { radiance, rays }
 }

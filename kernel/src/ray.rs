@@ -57,10 +57,12 @@ impl<R: Real> Hit<R> {
         Self { t: tmax, u: R::ZERO, v: R::ZERO, primitive: NO_PRIMITIVE }
     }
 
-    /// Whether a candidate at `t` on `primitive` wins over this one: nearer, or as near with a lower number. This
-    /// tie rule is what makes the answer independent of the order of visits.
+    /// Becomes `other` if that wins: nearer, or as near with a lower number. This tie rule is what makes the answer
+    /// independent of the order of visits.
     #[inline]
-    pub(crate) fn loses_to(&self, t: R, primitive: u32) -> bool {
-        t < self.t || (t == self.t && primitive < self.primitive)
+    pub(crate) fn keep_closer(&mut self, other: Self) {
+        if other.t < self.t || (other.t == self.t && other.primitive < self.primitive) {
+            *self = other;
+        }
     }
 }

@@ -221,8 +221,12 @@ const fn taylor<const TERMS: usize>(first: u32) -> [f64; TERMS] {
 /// then the quadrant's swap and signs by bit operations (no branch to predict).
 #[inline]
 fn sin_cos_turns<const TERMS: usize>(turns: f64) -> (f64, f64) {
-    let quadrant = (turns * 4.0 + 0.5) as u64;
-    let angle = (turns - quadrant as f64 * 0.25) * core::f64::consts::TAU;
+    // Added to a number, 3 * 2^51 rounds it to an integer, which is then in the low bits.
+    const ROUND: f64 = 6_755_399_441_055_744.0;
+    let quadrants = turns * 4.0;
+    let rounded = quadrants + ROUND;
+    let quadrant = rounded.to_bits();
+    let angle = (quadrants - (rounded - ROUND)) * core::f64::consts::FRAC_PI_2;
     let square = angle * angle;
     let series = |terms: [f64; TERMS]| terms.iter().rev().fold(0.0, |sum, term| sum * square + term);
     let sine = (series(const { taylor::<TERMS>(1) }) * angle).to_bits();

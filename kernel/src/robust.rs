@@ -48,8 +48,18 @@ pub fn normalize_wide<R: Real>(v: WideVec3<R>) -> WideVec3<R> {
 /// each axis, and by those of the products before it; no branch depends on the signs of a normal.
 #[inline]
 pub fn offset_ray_origin<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>, w: Vec3<R>) -> Vec3<R> {
-    let distance = ng.abs().dot(p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2));
-    p + ng * distance.copysign(w.dot(ng))
+    p + ng * offset_distance::<R>(p, p_error, ng).copysign(w.dot(ng))
+}
+
+/// [`offset_ray_origin`] to the side of `ng`.
+#[inline]
+pub fn offset_along_normal<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> Vec3<R> {
+    p + ng * offset_distance::<R>(p, p_error, ng)
+}
+
+#[inline]
+fn offset_distance<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> R {
+    ng.abs().dot(p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2))
 }
 
 #[cfg(test)]

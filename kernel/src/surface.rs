@@ -28,10 +28,24 @@ pub struct SurfacePoint<R: Real> {
 impl<R: Real> SurfacePoint<R> {
     /// Geometric and shading normal on the side of `wo`. A shading normal that faces away is replaced.
     #[inline]
-    pub fn toward_viewer(&self) -> (Vec3<R>, Vec3<R>) {
-        let (ng, ns) = if self.wo.dot(self.ng) < R::ZERO { (-self.ng, -self.ns) } else { (self.ng, self.ns) };
-        if self.wo.dot(ns) > R::ZERO { (ng, ns) } else { (ng, ng) }
+    pub fn toward_viewer<E: EffectSet>(&self) -> Facing<R> {
+        let side = if self.wo.dot(self.ng) < R::ZERO { -R::ONE } else { R::ONE };
+        let ng = self.ng * side;
+        if const { !E::EFFECTS.contains(Effects::SMOOTH_NORMALS) } {
+            return Facing { ng, ns: ng };
+        }
+        let ns = self.ns * side;
+        Facing { ng, ns: if self.wo.dot(ns) > R::ZERO { ns } else { ng } }
     }
+}
+
+/// The normals of a surface point on the viewer's side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facing<R: Real> {
+    /// Geometric normal.
+    pub ng: Vec3<R>,
+    /// Shading normal.
+    pub ns: Vec3<R>,
 }
 
 /// The surface point of `hit`, a hit of `ray` in `scene`. The ray's direction must have length 1, since `wo` is its

@@ -51,11 +51,13 @@ pub fn frame<R: Real>(n: Vec3<R>) -> [Vec3<R>; 2] {
     ]
 }
 
-/// `local` (about +z) in the frame of the unit vector `n`.
+/// `local` (about +z) in the [`frame`] of the unit vector `n`, multiplied out.
 #[inline]
 pub fn to_world<R: Real>(n: Vec3<R>, local: Vec3<R>) -> Vec3<R> {
-    let [x, y] = frame::<R>(n);
-    x * local.x() + y * local.y() + n * local.z()
+    let sign = R::ONE.copysign(n.z());
+    let across = sign * n.x() * local.x() + n.y() * local.y();
+    let along = local.z() - across / (sign + n.z());
+    Vector::new(local.x() + n.x() * along, sign * local.y() + n.y() * along, n.z() * local.z() - across)
 }
 
 /// Cosine of the angle from the axis, its sine, and the solid angle of a cone of directions, all without
@@ -66,6 +68,8 @@ pub struct ConeSample<R: Real> {
     pub cosine: R,
     /// Sine of the angle from the axis.
     pub sine: R,
+    /// The square of that.
+    pub sine_square: R,
     /// Solid angle of the whole cone, steradians: one over the pdf.
     pub solid_angle: R,
 }
@@ -76,11 +80,18 @@ pub struct ConeSample<R: Real> {
 pub fn cone<R: Real>(sine_square: R, u: R) -> ConeSample<R> {
     let versine =
         if sine_square < R::ONE { sine_square / (R::ONE + (R::ONE - sine_square).sqrt()) } else { R::from_f64(2.0) };
+    cone_of_versine(versine, u)
+}
+
+/// [`cone`] whose half angle has the versine (1 - cos) `versine`, 0..=2.
+#[inline]
+pub fn cone_of_versine<R: Real>(versine: R, u: R) -> ConeSample<R> {
     let drop = u * versine;
-    let sine_square = drop * (R::from_f64(2.0) - drop);
+    let sine_square = lesser(drop * (R::from_f64(2.0) - drop), R::ONE);
     ConeSample {
         cosine: R::ONE - drop,
-        sine: lesser(sine_square, R::ONE).sqrt(),
+        sine: sine_square.sqrt(),
+        sine_square,
         solid_angle: versine * R::from_f64(core::f64::consts::TAU),
     }
 }

@@ -1,5 +1,6 @@
 //! What the test modules share: scenes, meshes, random numbers, statistics, exact arithmetic, tolerances.
 
+pub(crate) mod counting_allocator;
 pub(crate) mod exact;
 pub(crate) mod meshes;
 pub(crate) mod property;

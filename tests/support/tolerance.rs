@@ -32,8 +32,8 @@ pub(crate) const FRAME: f64 = 10.0;
 pub(crate) const GRAZING: f64 = 64.0;
 
 /// Distance in u M from a point to the origin of a ray spawned there: the bound on its error (gamma(7) of the
-/// barycentric sum, gamma(3) of the plane: 10 u M per axis, times |n|_1 <= sqrt 3) and two roundings.
-pub(crate) const OFFSET: f64 = 20.0;
+/// barycentric sum, gamma(3) of the plane, and two roundings: 12 u M per axis, times |n|_1 <= sqrt 3) and two more.
+pub(crate) const OFFSET: f64 = 24.0;
 
 /// Above this a product of two f64 and its rounding error (2^-106 times smaller) are both normal numbers.
 pub(crate) const NORMAL_PRODUCT: f64 = 1e-270;
@@ -57,11 +57,11 @@ pub(crate) const FILM_POSITION: f64 = 150.0;
 /// changes if the inputs move by a few roundings.
 pub(crate) const UNDECIDED: f64 = 16.0;
 
-/// Error of a sphere's t in u times its condition number, where it is formed in the wide precision: one rounding.
-pub(crate) const SPHERE_T_WIDE: f64 = 1.0;
-
-/// The same where nothing wider is at hand.
+/// Error of a sphere's t in u of the wide precision times its condition number.
 pub(crate) const SPHERE_T: f64 = 4.0;
+
+/// Error in u of a number that is rounded once.
+pub(crate) const ROUNDED: f64 = 1.0;
 
 /// Distance in u M from an edge within which a triangle may be hit or missed: the shear of its corners.
 pub(crate) const TRIANGLE_EDGE: f64 = 16.0;
@@ -107,3 +107,7 @@ pub(crate) const TRAPPED: f64 = 1e-3;
 /// Error in u of a reflectance formed from given cosines: their own rounding, magnified up to 5 times where refraction
 /// nears its end (sine 0.99), squared; and the oracle's.
 pub(crate) const FRESNEL: f64 = 64.0;
+
+/// Error of a variance, in f64 epsilons of the sum of squares: that sum grows by one rounding per sample, here at
+/// most 200.
+pub(crate) const VARIANCE: f64 = 400.0;

@@ -3,10 +3,12 @@
 use std::fmt::Write as _;
 
 use ocellus_kernel::bvh::Node;
-use ocellus_kernel::{Pixel, Real, View};
+use ocellus_kernel::{Effects, Pixel, Real, View};
 use serde_json::{Value, json};
 
-use super::load;
+use super::streams::print;
+use super::words::{bytes, counted, wrapped};
+use super::{load, origins};
 use crate::assemble::{SetupReport, with_view};
 use crate::cli::SceneArgs;
 use crate::demand::{Demand, demands};
@@ -22,12 +24,15 @@ pub(super) fn run(args: &SceneArgs) -> Result<ExitCode, Error> {
         Precision::F64 => explain::<f64>(args, &scene)?,
     };
     if args.json {
-        println!("{}", explanation.to_json());
+        print(explanation.to_json())?;
     } else {
-        print!("{}", explanation.to_text());
+        print(explanation.to_text().trim_end())?;
     }
     Ok(ExitCode::Done)
 }
+
+/// Columns of the text, so that it fits a narrow terminal.
+const WIDTH: usize = 100;
 
 /// All that is known of a scene before it is rendered.
 struct Explanation<'a> {
@@ -100,45 +105,64 @@ impl Explanation<'_> {
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         let (scene, film) = (self.scene, &self.scene.film);
         let triangles: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        let parts = [
+            (scene.spheres.len(), "sphere"),
+            (triangles, "triangle"),
+            (scene.lights.len(), "light"),
+            (scene.materials.len(), "material"),
+            (scene.textures.len(), "texture"),
+        ];
+        let parts: Vec<_> =
+            parts.iter().filter(|part| part.0 > 0).map(|&(count, noun)| counted(count as u64, noun)).collect();
         writeln!(out, "scene    {}", self.args.scene.display())?;
+        writeln!(out, "         {}", parts.join(", "))?;
         writeln!(
             out,
-            "         {} spheres, {triangles} triangles, {} lights, {} materials, {} textures",
-            self.setup.primitives - triangles,
-            scene.lights.len(),
-            scene.materials.len(),
-            scene.textures.len(),
+            "picture  {} x {} pixels, {} each, up to {}",
+            film.width,
+            film.height,
+            counted(film.spp.into(), "sample"),
+            counted(scene.integrator.max_bounces.into(), "bounce"),
         )?;
-        writeln!(out, "picture  {} x {} pixels, {} samples each", film.width, film.height, film.spp)?;
+        let on = self.demands.iter().filter(|demand| !demand.origins.is_empty()).count();
+        let (has, all) = (self.row.effects.len() as usize, TABLE.len());
+        let needed = if on == has { "all needed".to_owned() } else { format!("{on} needed") };
         writeln!(
             out,
-            "kernel   {} in {}: {} of {} effects; {} kernels to choose from",
+            "kernel   {} in {}, {} ({needed}); one of {all} kernels",
             self.row.name,
             self.args.precision,
-            self.row.effects.len(),
-            ocellus_kernel::Effects::ALL.len(),
-            TABLE.len(),
+            counted(has as u64, "effect"),
         )?;
 
-        writeln!(out, "\neffects that are on, and what asks for them")?;
+        writeln!(out, "\neffects that are on, and the lines that ask for them")?;
         for demand in self.demands.iter().filter(|demand| !demand.origins.is_empty()) {
-            let lines: Vec<String> = demand.origins.iter().take(3).map(ToString::to_string).collect();
-            let more = demand.origins.len().saturating_sub(lines.len());
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            writeln!(out, "  {:<15} {}{more}", demand.name, lines.join(", "))?;
+            let mut name = demand.name;
+            // The triangles of a bare mesh are its own; all else that no line asks for was chosen for it.
+            let whole = if demand.effect == Effects::TRIANGLES { "" } else { " (by default)" };
+            for lines in origins::layout(&demand.origins, whole, WIDTH - 18) {
+                writeln!(out, "  {name:<15} {lines}")?;
+                name = "";
+            }
         }
         let off: Vec<&str> =
             self.demands.iter().filter(|demand| demand.origins.is_empty()).map(|demand| demand.name).collect();
         if !off.is_empty() {
-            writeln!(out, "effects that are off: {}", off.join(", "))?;
+            writeln!(out, "effects that are off")?;
+        }
+        for line in wrapped(&off, WIDTH - 2) {
+            writeln!(out, "  {line}")?;
         }
 
         writeln!(out, "\nacceleration: {}", self.args.accel)?;
         if let Some(bvh) = &self.bvh {
             writeln!(
                 out,
-                "  {} nodes, {} leaves of at most {} primitives, depth {}",
-                bvh.nodes, bvh.leaves, bvh.largest_leaf, bvh.deepest
+                "  {}, {} of at most {}, depth {}",
+                counted(bvh.nodes as u64, "node"),
+                if bvh.leaves == 1 { "1 leaf".to_owned() } else { format!("{} leaves", bvh.leaves) },
+                counted(bvh.largest_leaf as u64, "primitive"),
+                bvh.deepest
             )?;
             writeln!(
                 out,
@@ -146,15 +170,15 @@ impl Explanation<'_> {
                 bvh.expected_nodes, bvh.expected_primitives, self.setup.primitives
             )?;
         }
-        let bytes = [
+        let sizes = [
             ("scene", self.setup.scene_bytes),
             ("textures", self.setup.texture_bytes),
             ("hierarchy", self.setup.bvh_bytes),
             ("film", self.film_bytes),
         ];
         writeln!(out, "\nmemory while rendering")?;
-        for (what, bytes) in bytes {
-            writeln!(out, "  {what:<10} {:>10}", readable(bytes))?;
+        for (what, size) in sizes.into_iter().filter(|(_, size)| *size > 0) {
+            writeln!(out, "  {what:<10} {:>10}", bytes(size))?;
         }
         Ok(())
     }
@@ -190,14 +214,5 @@ impl Explanation<'_> {
             "bvh_bytes": self.setup.bvh_bytes,
             "film_bytes": self.film_bytes,
         })
-    }
-}
-
-/// Bytes as people read them.
-fn readable(bytes: usize) -> String {
-    match bytes {
-        0..1024 => format!("{bytes} B"),
-        1024..1_048_576 => format!("{:.1} KiB", bytes as f64 / 1024.0),
-        _ => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
     }
 }

@@ -2,7 +2,12 @@
 
 mod diff;
 mod explain;
+mod origins;
 mod render;
+mod streams;
+pub(crate) mod words;
+
+pub use streams::tell;
 
 use crate::cli::{Cli, Command, SceneArgs};
 use crate::description::SceneDescription;
@@ -34,7 +39,7 @@ fn load(args: &SceneArgs) -> Result<SceneDescription, Error> {
         scene.integrator.seed = seed;
     }
     for warning in &scene.warnings {
-        eprintln!("warning: {warning}");
+        tell(format_args!("warning: {warning}"));
     }
     Ok(scene)
 }

@@ -1,10 +1,12 @@
 //! `ocellus render`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::streams::{print, tell};
+use super::words::{abridged, counted, duration};
 use super::{instruction_set, load};
 use crate::cli::RenderArgs;
 use crate::description::SceneDescription;
@@ -35,15 +37,20 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode, Error> {
     let rendering = rendering?;
 
     let report = report(args, &scene, &settings, &rendering, load_seconds);
+    summarize(&rendering, &settings);
     let picture = rendering.film.picture();
+    let mut written = Ok(());
     for output in &outputs {
-        write_picture(output, &picture, &tone, &provenance(&report))?;
-        eprintln!("wrote {}", output.display());
+        // One that fails is no reason to lose the others.
+        match write_picture(output, &picture, &tone, &provenance(&report)) {
+            Ok(()) => tell(format_args!("wrote {}", output.display())),
+            Err(error) => written = written.and(Err(error)),
+        }
     }
+    written?;
     if args.scene.json {
-        println!("{report}");
+        print(report)?;
     }
-    summarize(&rendering);
     Ok(match interrupt.received() {
         Some(code) if rendering.interrupted => code,
         _ => ExitCode::Done,
@@ -57,7 +64,21 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Error> {
     }
     let name =
         args.scene.scene.file_stem().ok_or_else(|| Error::usage("the scene has no name", "name an output with -o"))?;
-    Ok(vec![PathBuf::from(name).with_extension("png")])
+    let output = PathBuf::from(name).with_extension("png");
+    if output.exists() && !is_ours(&output) {
+        // Beside a mesh `cat.obj` often lies its texture `cat.png`.
+        let cause = format!("{} exists and was not rendered by this program", output.display());
+        return Err(Error::usage(cause, "name an output with -o; the same name replaces that file"));
+    }
+    Ok(vec![output])
+}
+
+/// Whether a file is a picture that this program rendered, as the text in it says.
+fn is_ours(path: &Path) -> bool {
+    let Ok(file) = std::fs::File::open(path) else { return false };
+    let Ok(reader) = png::Decoder::new(std::io::BufReader::new(file)).read_info() else { return false };
+    let texts = &reader.info().uncompressed_latin1_text;
+    texts.iter().any(|text| text.keyword == "program" && text.text.starts_with("ocellus "))
 }
 
 fn settings(args: &RenderArgs, scene: &SceneDescription) -> RenderSettings {
@@ -65,7 +86,7 @@ fn settings(args: &RenderArgs, scene: &SceneDescription) -> RenderSettings {
     RenderSettings {
         samples,
         region: args.crop.unwrap_or(Region::whole(scene.film.width, scene.film.height)),
-        threads: args.threads,
+        threads: usize::from(args.threads),
         precision: args.scene.precision,
         accel: args.scene.accel,
         effects: args.scene.effects,
@@ -90,6 +111,7 @@ fn report(
         "crop": [region.x0, region.y0, region.x1, region.y1],
         "spp": settings.samples.len(),
         "samples": [settings.samples.start, settings.samples.end],
+        "samples_per_pixel": film.samples_per_pixel(),
         "max_bounces": scene.integrator.max_bounces,
         "effects": rendering.required.names().collect::<Vec<_>>(),
         "kernel": rendering.row.name,
@@ -116,23 +138,31 @@ fn provenance(report: &Value) -> Vec<(String, String)> {
     report.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), text(value))).collect()
 }
 
-/// The last line, for people.
-fn summarize(rendering: &Rendering) {
-    let (work, seconds) = (rendering.work, rendering.trace_seconds);
-    let stopped = if rendering.interrupted { "stopped early: " } else { "" };
-    eprintln!(
-        "{stopped}{:.2} million paths in {seconds:.2} s ({:.2} M paths/s, {:.1} M rays/s) by kernel {}; image hash {:016x}",
-        work.paths as f64 * 1e-6,
-        work.paths as f64 * 1e-6 / seconds,
-        work.rays as f64 * 1e-6 / seconds,
+/// The last lines, for people.
+fn summarize(rendering: &Rendering, settings: &RenderSettings) {
+    let (film, seconds) = (&rendering.film, rendering.trace_seconds);
+    let asked = counted(settings.samples.len() as u64, "sample");
+    let [fewest, most] = film.samples_per_pixel();
+    let took = duration(seconds);
+    tell(match rendering.interrupted {
+        false => format!("{asked} per pixel in {took}"),
+        true if fewest == most => format!("stopped early: each pixel has {most} of {asked} after {took}"),
+        true => format!("stopped early: pixels have {fewest} to {most} of {asked} after {took}"),
+    });
+    if rendering.interrupted && fewest == 0 {
+        tell("pixels without a sample are black");
+    }
+    let rate = |count: u64| abridged(count as f64 / seconds.max(1e-9));
+    tell(format_args!(
+        "{} paths/s, {} rays/s; kernel {}; image hash {:016x}",
+        rate(rendering.work.paths),
+        rate(rendering.work.rays),
         rendering.row.name,
-        rendering.film.image_hash(),
-    );
-    let non_finite = rendering.film.non_finite();
+        film.image_hash(),
+    ));
+    let non_finite = film.non_finite();
     if let Some([x, y]) = non_finite.first {
-        eprintln!(
-            "warning: {} samples were not finite, the first in pixel {x},{y}; they count nowhere",
-            non_finite.samples
-        );
+        let count = counted(non_finite.samples, "sample");
+        tell(format_args!("warning: not finite and counted nowhere: {count}, the first in pixel {x},{y}"));
     }
 }

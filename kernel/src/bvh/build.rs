@@ -35,10 +35,12 @@ impl<R: Real> BuildItem<R> {
 
 /// Bins along the axis of a split.
 const BINS: usize = 16;
-/// Leaves hold at most this many primitives, unless their centres coincide and halving them gains nothing.
-const MAX_LEAF: usize = 8;
-/// Cost of visiting an inner node's two children, in primitive tests.
-const VISIT_COST: f64 = 1.0;
+/// Cost of visiting an inner node's two children, in triangle tests.
+const VISIT_COST: f64 = 1.25;
+/// Cost of a test of four spheres, in triangle tests.
+const FOUR_SPHERES_COST: f64 = 0.75;
+/// Leaves cost at most this much, in triangle tests.
+const MAX_LEAF_COST: f64 = 8.0;
 /// Below this depth splits halve, which takes at most 32 more levels for 2^31 primitives.
 const HALVE_FROM_DEPTH: usize = MAX_DEPTH - 33;
 
@@ -80,7 +82,7 @@ pub fn build<'a, R: Real>(
             nodes[0] = Node { bounds: union(items), first: 0, count: primitives as u32 };
             1
         }
-        Structure::Bvh => split_all(items, nodes),
+        Structure::Bvh => split_all(items, geometry.spheres().len(), nodes),
     };
     for (slot, item) in order.iter_mut().zip(items.iter()) {
         *slot = item.primitive;
@@ -92,8 +94,8 @@ pub fn build<'a, R: Real>(
     Ok(Bvh { nodes: &nodes[..used], order: &order[..primitives] })
 }
 
-/// Splits from the root down; returns the number of nodes.
-fn split_all<R: Real>(items: &mut [BuildItem<R>], nodes: &mut [Node<R>]) -> usize {
+/// Splits from the root down; returns the number of nodes. Primitives below `spheres` are spheres.
+fn split_all<R: Real>(items: &mut [BuildItem<R>], spheres: usize, nodes: &mut [Node<R>]) -> usize {
     nodes[0] = Node { bounds: union(items), first: 0, count: items.len() as u32 };
     let mut used = 1;
     // Depth first: at each level one sibling waits, so the stack is as deep as the tree.
@@ -105,7 +107,7 @@ fn split_all<R: Real>(items: &mut [BuildItem<R>], nodes: &mut [Node<R>]) -> usiz
         let node = nodes[at as usize];
         let (first, count) = (node.first as usize, node.count as usize);
         let range = &mut items[first..first + count];
-        let Some(left) = split(range, &node.bounds, depth as usize) else { continue };
+        let Some(left) = split(range, spheres, &node.bounds, depth as usize) else { continue };
         let (left_items, right_items) = range.split_at(left);
         let child = |items: &[BuildItem<R>], first: usize| Node {
             bounds: union(items),
@@ -128,7 +130,7 @@ fn union<R: Real>(items: &[BuildItem<R>]) -> Bounds<R> {
 }
 
 /// Reorders the items and says how many go left; `None` where a leaf is better.
-fn split<R: Real>(items: &mut [BuildItem<R>], bounds: &Bounds<R>, depth: usize) -> Option<usize> {
+fn split<R: Real>(items: &mut [BuildItem<R>], spheres: usize, bounds: &Bounds<R>, depth: usize) -> Option<usize> {
     if items.len() < 2 {
         return None;
     }
@@ -136,26 +138,54 @@ fn split<R: Real>(items: &mut [BuildItem<R>], bounds: &Bounds<R>, depth: usize) 
     for item in items.iter() {
         keys.grow(R::Vec3::new(item.key(0), item.key(1), item.key(2)));
     }
+    let mut counts = Counts::default();
+    items.iter().for_each(|item| counts.add(item, spheres));
+    let leaf_cost = counts.cost();
     if depth < HALVE_FROM_DEPTH {
-        let leaf_cost = items.len() as f64;
-        let best =
-            (0..3).filter_map(|axis| best_plane(items, &keys, axis)).reduce(|a, b| if b.cost < a.cost { b } else { a });
+        let best = (0..3)
+            .filter_map(|axis| best_plane(items, spheres, &keys, axis))
+            .reduce(|a, b| if b.cost < a.cost { b } else { a });
         if let Some(plane) = best {
             let area = bounds.half_area().to_f64();
             let cost = VISIT_COST + plane.cost / area;
-            if items.len() > MAX_LEAF || cost < leaf_cost {
+            if leaf_cost > MAX_LEAF_COST || cost < leaf_cost {
                 return Some(partition(items, |item| plane.bin(item) <= plane.last_left));
             }
             return None;
         }
     }
-    if items.len() <= MAX_LEAF {
+    if leaf_cost <= MAX_LEAF_COST {
         return None;
     }
     Some(halve(items, &keys))
 }
 
-/// Where to cut, and what it costs: areas times counts.
+/// How many primitives of each kind there are.
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    spheres: usize,
+    triangles: usize,
+}
+
+impl Counts {
+    #[inline]
+    fn add<R: Real>(&mut self, item: &BuildItem<R>, spheres: usize) {
+        if (item.primitive as usize) < spheres { self.spheres += 1 } else { self.triangles += 1 }
+    }
+
+    #[inline]
+    fn and(self, other: Self) -> Self {
+        Self { spheres: self.spheres + other.spheres, triangles: self.triangles + other.triangles }
+    }
+
+    /// Cost of testing all of them, in triangle tests.
+    #[inline]
+    fn cost(self) -> f64 {
+        self.spheres.div_ceil(4) as f64 * FOUR_SPHERES_COST + self.triangles as f64
+    }
+}
+
+/// Where to cut, and what it costs: areas times costs.
 #[derive(Clone, Copy)]
 struct Plane<R: Real> {
     axis: usize,
@@ -175,7 +205,7 @@ impl<R: Real> Plane<R> {
 }
 
 /// The cheapest of the planes between bins along `axis`; `None` where all centres fall into one bin.
-fn best_plane<R: Real>(items: &[BuildItem<R>], keys: &Bounds<R>, axis: usize) -> Option<Plane<R>> {
+fn best_plane<R: Real>(items: &[BuildItem<R>], spheres: usize, keys: &Bounds<R>, axis: usize) -> Option<Plane<R>> {
     let low = keys.corners[0][axis];
     let extent = keys.corners[1][axis] - low;
     let scale = R::from_f64(BINS as f64) / extent;
@@ -183,25 +213,26 @@ fn best_plane<R: Real>(items: &[BuildItem<R>], keys: &Bounds<R>, axis: usize) ->
         return None;
     }
     let mut plane = Plane { axis, low, scale, last_left: 0, cost: f64::MAX };
-    let mut bins = [(Bounds::<R>::EMPTY, 0usize); BINS];
+    let mut bins = [(Bounds::<R>::EMPTY, Counts::default()); BINS];
     for item in items {
-        let (bounds, count) = &mut bins[plane.bin(item)];
+        let (bounds, counts) = &mut bins[plane.bin(item)];
         *bounds = bounds.union(&item.bounds);
-        *count += 1;
+        counts.add(item, spheres);
     }
     // Costs of what lies right of each plane, then a sweep from the left.
     let mut right_costs = [0.0; BINS];
-    let (mut bounds, mut count) = (Bounds::EMPTY, 0);
+    let (mut bounds, mut counts) = (Bounds::EMPTY, Counts::default());
     for bin in (1..BINS).rev() {
         bounds = bounds.union(&bins[bin].0);
-        count += bins[bin].1;
-        right_costs[bin - 1] = bounds.half_area().to_f64() * count as f64;
+        counts = counts.and(bins[bin].1);
+        right_costs[bin - 1] = bounds.half_area().to_f64() * counts.cost();
     }
-    let (mut bounds, mut count) = (Bounds::EMPTY, 0);
+    let (mut bounds, mut counts) = (Bounds::EMPTY, Counts::default());
     for bin in 0..BINS - 1 {
         bounds = bounds.union(&bins[bin].0);
-        count += bins[bin].1;
-        let cost = bounds.half_area().to_f64() * count as f64 + right_costs[bin];
+        counts = counts.and(bins[bin].1);
+        let cost = bounds.half_area().to_f64() * counts.cost() + right_costs[bin];
+        let count = counts.spheres + counts.triangles;
         if count > 0 && count < items.len() && cost < plane.cost {
             plane = Plane { last_left: bin, cost, ..plane };
         }

@@ -46,6 +46,9 @@ fn search<R: Real, E: EffectSet, const ANY: bool>(
     (best.primitive != NO_PRIMITIVE).then_some(best)
 }
 
+/// Up to this many spheres are tested without a look at the box around them, which costs about as much.
+const WITHOUT_BOX: u32 = 16;
+
 #[inline(always)]
 fn descend<R: Real, E: EffectSet, const ANY: bool>(
     geometry: &Geometry<'_, R>,
@@ -54,12 +57,16 @@ fn descend<R: Real, E: EffectSet, const ANY: bool>(
     best: &mut Hit<R>,
 ) {
     let Some(mut node) = bvh.nodes.first() else { return };
-    if node.bounds.entry(ray, best.t).is_none() {
-        return;
-    }
     // Small scenes are one leaf, and it holds all primitives in their own order.
     if node.count > 0 {
-        return geometry.test_all::<E, ANY>(ray, best);
+        let small = geometry.triangles().is_empty() && node.count <= WITHOUT_BOX;
+        if small || node.bounds.entry(ray, best.t).is_some() {
+            geometry.test_all::<E, ANY>(ray, best);
+        }
+        return;
+    }
+    if node.bounds.entry(ray, best.t).is_none() {
+        return;
     }
     // Nodes that wait, with where the ray enters them. One waits per level, so the stack cannot overflow.
     let mut waiting = [(0u32, R::ZERO); MAX_DEPTH];

@@ -13,9 +13,9 @@ use crate::material::diffuse;
 use crate::path::PathOptions;
 use crate::ray::Ray;
 use crate::real::{Real, Vec3, Vector};
-use crate::robust::{offset_ray_origin, shadow_tmax};
+use crate::robust::shadow_tmax;
 use crate::scene::Scene;
-use crate::surface::SurfacePoint;
+use crate::surface::{Facing, SurfacePoint};
 
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +38,7 @@ pub struct LightSample<R: Real> {
 }
 
 /// The light that reaches a diffuse surface of albedo 1 and leaves it toward the viewer: the sum over all lights.
+/// Shadow rays start at `origin`, which is off the surface on the viewer's side.
 ///
 /// Every light uses the same two numbers, moved by a constant of its own around the unit square: each estimate is
 /// unbiased by itself, hence so is the sum. Adds the shadow rays to `rays`.
@@ -46,6 +47,8 @@ pub(crate) fn direct<R: Real, E: EffectSet>(
     scene: &Scene<'_, R>,
     options: &PathOptions,
     point: &SurfacePoint<R>,
+    facing: &Facing<R>,
+    origin: Vec3<R>,
     numbers: [u32; 4],
     rays: &mut u32,
 ) -> Vec3<R> {
@@ -63,11 +66,10 @@ pub(crate) fn direct<R: Real, E: EffectSet>(
             _ => None,
         };
         let Some(sampled) = sampled else { continue };
-        let cosine = diffuse::cosine(point, sampled.wi);
+        let cosine = diffuse::cosine(facing, sampled.wi);
         if cosine == R::ZERO {
             continue;
         }
-        let origin = offset_ray_origin::<R>(point.p, point.p_error, point.ng, sampled.wi);
         let shadow = Ray { tmax: shadow_tmax::<R>(), ..Ray::new(origin, sampled.target - origin) };
         *rays += 1;
         if !scene.occluded_in::<E>(&shadow) {

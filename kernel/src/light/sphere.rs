@@ -1,12 +1,12 @@
 //! Spherical lights: a sphere of the scene, looked at where it is.
 
 use super::LightSample;
-use crate::real::{Real, Vector, WideVec3, narrow, widen};
-use crate::robust::offset_ray_origin;
+use crate::real::{Real, Vector, WideVec3, greater, narrow, widen};
+use crate::robust::{gamma, offset_ray_origin};
 use crate::scene::Scene;
 use crate::shape::Sphere;
 use crate::surface::SurfacePoint;
-use crate::warp::{cone, cosine_hemisphere, frame, to_world};
+use crate::warp::{cone_of_versine, cosine_hemisphere, to_world};
 
 /// A sphere of the scene that is sampled as a light. Its material says what it emits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,58 +41,73 @@ impl SphereLight {
     ) -> Option<LightSample<R>> {
         let sphere = &scene.geometry().spheres()[self.sphere as usize];
         let emission = scene.materials()[sphere.material as usize].emission;
-        let to_center = widen::<R>(sphere.center) - widen::<R>(point.p);
+        let p = widen::<R>(point.p);
+        let to_center = widen::<R>(sphere.center) - p;
         let square = to_center.dot(to_center);
         let radius = sphere.radius.widen();
         let inside = !(square > radius * radius);
-        let (outward, wi, inverse_pdf) = match sampling {
+        let (wi, target, inverse_pdf) = match sampling {
             LightSampling::None => return None,
-            LightSampling::Hemisphere if !inside => hemisphere(sphere, to_center, square, u, v)?,
-            LightSampling::Hemisphere | LightSampling::Cone => uniform::<R>(radius, to_center, square, inside, u, v),
+            LightSampling::Hemisphere if !inside => {
+                let (outward, wi, inverse_pdf) = hemisphere(sphere, to_center, square, u, v)?;
+                let target = sphere.point_toward(outward);
+                let off = offset_ray_origin::<R>(target.p, target.p_error, target.outward, -narrow::<R>(wi));
+                (wi, off, inverse_pdf)
+            }
+            LightSampling::Hemisphere | LightSampling::Cone => {
+                let (wi, t, solid_angle) = uniform(sphere, to_center, square, inside, u, v);
+                (wi, narrow::<R>(p + wi * t), solid_angle)
+            }
         };
-        let target = sphere.point_toward(outward);
-        let wi = narrow::<R>(wi);
-        Some(LightSample {
-            wi,
-            target: offset_ray_origin::<R>(target.p, target.p_error, target.outward, -wi),
-            weight: emission * R::narrow(inverse_pdf),
-        })
+        Some(LightSample { wi: narrow::<R>(wi), target, weight: emission * R::narrow(inverse_pdf) })
     }
 }
 
-/// A point of a sphere from its centre, the unit direction to it, and one over its pdf per steradian.
-type SpherePointSample<R> = (WideVec3<R>, WideVec3<R>, <R as Real>::Wide);
-
-/// A point seen uniformly in the solid angle of the sphere.
+/// A direction that is uniform in the solid angle of the sphere, how far it goes to just before the sphere, and the
+/// solid angle.
+///
+/// Its end lies on a sphere whose radius differs from the light's by what rounding can take away: `u` of each
+/// coordinate of the end (at most `|c| + r`), and some wide roundings of the distance. So a shadow ray that runs to
+/// the end does not meet the light.
 #[inline]
 fn uniform<R: Real>(
-    radius: R::Wide,
+    sphere: &Sphere<R>,
     to_center: WideVec3<R>,
     square: R::Wide,
     inside: bool,
     u: R,
     v: R,
-) -> SpherePointSample<R> {
-    let one = R::Wide::ONE;
-    let sine_square = if inside { one } else { radius * radius / square };
-    let sampled = cone(sine_square, u.widen());
-    let axis = if square > R::Wide::ZERO {
-        to_center * (one / square.sqrt())
+) -> (WideVec3<R>, R::Wide, R::Wide) {
+    let zero = R::Wide::ZERO;
+    let radius = sphere.radius.widen();
+    let radius_square = radius * radius;
+    // Not zero, so that nothing is divided by zero at the centre; any axis will do there.
+    let distance = greater(square, R::Wide::MIN_POSITIVE).sqrt();
+    // 1 - cos = sin^2 / (1 + cos), with both over the distance.
+    let versine = if inside {
+        R::Wide::from_f64(2.0)
     } else {
-        Vector::new(R::Wide::ZERO, R::Wide::ZERO, one)
+        radius_square / (distance * (distance + (square - radius_square).sqrt()))
     };
-    let [x, y] = frame::<R::Wide>(axis);
+    let sampled = cone_of_versine(versine, u.widen());
+    let axis: WideVec3<R> = to_center * (R::Wide::ONE / distance);
+    let axis = Vector::new(axis.x(), axis.y(), if square > zero { axis.z() } else { R::Wide::ONE });
     let (sine, cosine) = v.sin_cos_turns();
-    let wi = (x * cosine.widen() + y * sine.widen()) * sampled.sine + axis * sampled.cosine;
-    // Where the direction meets the sphere, from the foot of the centre's perpendicular.
-    let foot = to_center.dot(wi);
-    let half_square = radius * radius - square * sampled.sine * sampled.sine;
-    let half = if half_square > R::Wide::ZERO { half_square.sqrt() } else { R::Wide::ZERO };
-    let t = if inside { foot + half } else { foot - half };
-    (wi * t - to_center, wi, sampled.solid_angle)
+    let local = Vector::new(cosine.widen() * sampled.sine, sine.widen() * sampled.sine, sampled.cosine);
+    let wi = to_world::<R::Wide>(axis, local);
+
+    let size = sphere.center.abs().dot(Vector::ONE) + sphere.radius;
+    let lift = (size * gamma::<R>(4)).widen() + distance * gamma::<R::Wide>(16);
+    let reach = if inside { radius - lift } else { radius + lift };
+    // Where the direction meets that sphere, from the foot of the centre's perpendicular.
+    let foot = distance * sampled.cosine;
+    let half_square = reach * reach - square * sampled.sine_square;
+    let half = if half_square > zero { half_square.sqrt() } else { zero };
+    (wi, if inside { foot + half } else { foot - half }, sampled.solid_angle)
 }
 
-/// A cosine-weighted point of the hemisphere that faces the shading point; `None` where it cannot be seen.
+/// A cosine-weighted point of the hemisphere that faces the shading point, from the centre; the unit direction to it;
+/// one over its pdf per steradian. `None` where it cannot be seen.
 #[inline]
 fn hemisphere<R: Real>(
     sphere: &Sphere<R>,
@@ -100,7 +115,7 @@ fn hemisphere<R: Real>(
     square: R::Wide,
     u: R,
     v: R,
-) -> Option<SpherePointSample<R>> {
+) -> Option<(WideVec3<R>, WideVec3<R>, R::Wide)> {
     let facing = to_center * -(R::Wide::ONE / square.sqrt());
     let outward = to_world::<R::Wide>(facing, widen::<R>(cosine_hemisphere(u, v)));
     let radius = sphere.radius.widen();

@@ -4,7 +4,7 @@ use super::BsdfSample;
 use super::fresnel::{Fresnel, Interface, reflectance};
 use crate::real::{Real, Vec3, Vector, narrow, widen};
 use crate::robust::normalize_wide;
-use crate::surface::SurfacePoint;
+use crate::surface::{Facing, SurfacePoint};
 
 /// The interface between two dielectrics. A body that lies in another names the other's index as its exterior;
 /// the inner wall of a hollow shell is a surface whose normal points into the hollow.
@@ -25,11 +25,12 @@ pub struct Dielectric<R: Real> {
 #[inline]
 pub(crate) fn sample<R: Real>(
     point: &SurfacePoint<R>,
+    facing: &Facing<R>,
     glass: &Dielectric<R>,
     model: Fresnel,
     choice: u32,
 ) -> BsdfSample<R> {
-    let (ng, ns) = point.toward_viewer();
+    let Facing { ng, ns } = *facing;
     let choice = R::Wide::from_unit_bits(choice);
     let entering = point.wo.dot(point.ng) >= R::ZERO;
     let (ior_i, ior_t) =
@@ -84,6 +85,7 @@ fn scatter<R: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::Everything;
     use glam::Vec3 as V;
 
     fn point(wo: V) -> SurfacePoint<f32> {
@@ -101,24 +103,28 @@ mod tests {
     const GLASS: Dielectric<f32> =
         Dielectric { interior_ior: 1.5, exterior_ior: 1.0, transmittance: V::new(0.9, 0.8, 0.7) };
 
+    fn sample_at(point: SurfacePoint<f32>, glass: &Dielectric<f32>, model: Fresnel, choice: u32) -> BsdfSample<f32> {
+        sample(&point, &point.toward_viewer::<Everything>(), glass, model, choice)
+    }
+
     #[test]
     fn refraction_obeys_snell_both_ways() {
         let wo = V::new(0.6, 0.0, 0.8);
-        let entered = sample(&point(wo), &GLASS, Fresnel::Exact, u32::MAX);
+        let entered = sample_at(point(wo), &GLASS, Fresnel::Exact, u32::MAX);
         assert!((entered.wi - V::new(-0.4, 0.0, -(1.0f32 - 0.16).sqrt())).abs().max_component() < 1e-7);
         assert_eq!(entered.weight, GLASS.transmittance);
-        let left = sample(&point(entered.wi), &GLASS, Fresnel::Exact, u32::MAX);
+        let left = sample_at(point(entered.wi), &GLASS, Fresnel::Exact, u32::MAX);
         assert!((left.wi - wo).abs().max_component() < 1e-7);
     }
 
     #[test]
     fn small_numbers_reflect_and_total_reflection_is_total() {
         let wo = V::new(0.6, 0.0, 0.8);
-        let reflected = sample(&point(wo), &GLASS, Fresnel::Exact, 0);
+        let reflected = sample_at(point(wo), &GLASS, Fresnel::Exact, 0);
         assert!((reflected.wi - V::new(-0.6, 0.0, 0.8)).abs().max_component() < 1e-7);
         assert_eq!(reflected.weight, V::ONE);
         // From inside at 45 degrees, beyond the critical angle of 41.8 degrees.
-        let total = sample(&point(V::new(1.0, 0.0, -1.0)), &GLASS, Fresnel::None, u32::MAX);
+        let total = sample_at(point(V::new(1.0, 0.0, -1.0)), &GLASS, Fresnel::None, u32::MAX);
         assert!(total.wi.z < 0.0);
     }
 }

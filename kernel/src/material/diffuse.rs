@@ -2,7 +2,7 @@
 
 use super::BsdfSample;
 use crate::real::{Real, Vec3, Vector};
-use crate::surface::SurfacePoint;
+use crate::surface::Facing;
 use crate::warp::{cosine_hemisphere, to_world};
 
 /// A Lambertian surface.
@@ -17,16 +17,14 @@ pub struct Diffuse<R: Real> {
 /// The cosine between `wi` and the shading normal, or 0 where `wi` leaves on the other side than `wo`, by either
 /// normal: no light passes through.
 #[inline]
-pub(crate) fn cosine<R: Real>(point: &SurfacePoint<R>, wi: Vec3<R>) -> R {
-    let (ng, ns) = point.toward_viewer();
-    let cosine = ns.dot(wi);
-    if cosine > R::ZERO && ng.dot(wi) > R::ZERO { cosine } else { R::ZERO }
+pub(crate) fn cosine<R: Real>(facing: &Facing<R>, wi: Vec3<R>) -> R {
+    let cosine = facing.ns.dot(wi);
+    if cosine > R::ZERO && facing.ng.dot(wi) > R::ZERO { cosine } else { R::ZERO }
 }
 
 /// A direction with the density of the cosine; the weight is the albedo. `None` where it would pass the surface.
 #[inline]
-pub(crate) fn sample<R: Real>(point: &SurfacePoint<R>, albedo: Vec3<R>, u: R, v: R) -> Option<BsdfSample<R>> {
-    let (ng, ns) = point.toward_viewer();
-    let wi = to_world::<R>(ns, cosine_hemisphere(u, v));
-    (ng.dot(wi) > R::ZERO).then_some(BsdfSample { wi, weight: albedo, delta: false })
+pub(crate) fn sample<R: Real>(facing: &Facing<R>, albedo: Vec3<R>, u: R, v: R) -> Option<BsdfSample<R>> {
+    let wi = to_world::<R>(facing.ns, cosine_hemisphere(u, v));
+    (facing.ng.dot(wi) > R::ZERO).then_some(BsdfSample { wi, weight: albedo, delta: false })
 }

@@ -3,7 +3,7 @@
 use super::BsdfSample;
 use crate::real::{Real, Vec3, Vector};
 use crate::robust::normalize;
-use crate::surface::SurfacePoint;
+use crate::surface::Facing;
 
 /// A perfect mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,9 +22,8 @@ fn reflect<R: Real>(wo: Vec3<R>, n: Vec3<R>) -> Vec3<R> {
 /// The mirrored direction: about the shading normal, or about the geometric one where the first would pass the
 /// surface.
 #[inline]
-pub(crate) fn sample<R: Real>(point: &SurfacePoint<R>, mirror: &Mirror<R>) -> BsdfSample<R> {
-    let (ng, ns) = point.toward_viewer();
-    let about_ns = reflect::<R>(point.wo, ns);
-    let wi = if ng.dot(about_ns) > R::ZERO { about_ns } else { reflect::<R>(point.wo, ng) };
+pub(crate) fn sample<R: Real>(wo: Vec3<R>, facing: &Facing<R>, mirror: &Mirror<R>) -> BsdfSample<R> {
+    let about_ns = reflect::<R>(wo, facing.ns);
+    let wi = if facing.ng.dot(about_ns) > R::ZERO { about_ns } else { reflect::<R>(wo, facing.ng) };
     BsdfSample { wi, weight: mirror.reflectance, delta: true }
 }

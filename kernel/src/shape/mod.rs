@@ -14,6 +14,10 @@ use crate::robust::{slab_far_padding, slab_near_padding};
 pub use sphere::Sphere;
 pub use triangle::{Shear, TriangleAttributes};
 
+/// Squared lengths of directions between which products of coordinates neither over- nor underflow where it matters:
+/// 2^-80 and 2^80.
+const SQUARE_RANGE: [f64; 2] = [1.0 / ((1u128 << 80) as f64), (1u128 << 80) as f64];
+
 /// A ray with all that is computed once per query.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay<R: Real> {
@@ -27,9 +31,9 @@ pub struct PreparedRay<R: Real> {
     /// Exclusive lower end of t.
     pub tmin: R,
     direction: [R; 3],
-    /// The sum of the magnitudes of the direction's components: no less than its length.
-    direction_sum: R,
-    /// One over the squared length of the direction.
+    /// The squared length of the direction; NaN where that or its reciprocal is far from 1.
+    square: R,
+    /// One over the squared length of the direction; NaN as above.
     inverse_square: R,
     wide_origin: WideVec3<R>,
     wide_direction: WideVec3<R>,
@@ -43,7 +47,11 @@ impl<R: Real> PreparedRay<R> {
     pub fn new(ray: &Ray<R>) -> Self {
         let direction = ray.direction.to_array();
         let wide_direction = widen::<R>(ray.direction);
-        let wide_inverse_square = R::Wide::ONE / wide_direction.dot(wide_direction);
+        let wide_square = wide_direction.dot(wide_direction);
+        let wide_inverse_square = R::Wide::ONE / wide_square;
+        let square = R::narrow(wide_square);
+        let usual = square > R::from_f64(SQUARE_RANGE[0]) && square < R::from_f64(SQUARE_RANGE[1]);
+        let nan = R::ZERO / R::ZERO;
         let inverse = direction.map(|d| R::ONE / d);
         Self {
             origin: ray.origin.to_array(),
@@ -51,13 +59,19 @@ impl<R: Real> PreparedRay<R> {
             negative: direction.map(|d| d.is_sign_negative()),
             tmin: ray.tmin,
             direction,
-            direction_sum: direction[0].abs() + direction[1].abs() + direction[2].abs(),
-            inverse_square: R::narrow(wide_inverse_square),
+            square: if usual { square } else { nan },
+            inverse_square: if usual { R::narrow(wide_inverse_square) } else { nan },
             wide_origin: widen::<R>(ray.origin),
             wide_direction,
             wide_inverse_square,
             shear: Shear::new(ray, inverse),
         }
+    }
+
+    /// The ray it was made of, but for its end.
+    #[inline]
+    fn ray(&self) -> Ray<R> {
+        Ray { tmin: self.tmin, ..Ray::new(Vector::from_array(self.origin), Vector::from_array(self.direction)) }
     }
 }
 
@@ -142,13 +156,9 @@ impl<'a, R: Real> Geometry<'a, R> {
     #[inline(always)]
     pub(crate) fn test_all<E: EffectSet, const ANY: bool>(&self, ray: &PreparedRay<R>, best: &mut Hit<R>) {
         if const { E::EFFECTS.contains(Effects::SPHERES) } {
-            for (chunk, first) in self.spheres.chunks(4).zip((0..).step_by(4)) {
-                let lane = |lane: usize| chunk.get(lane).unwrap_or(&chunk[0]);
-                let four = [lane(0), lane(1), lane(2), lane(3)];
-                self.test_four_spheres(ray, four, chunk.len(), |lane| first + lane as u32, best);
-                if ANY && best.primitive != NO_PRIMITIVE {
-                    return;
-                }
+            self.test_spheres::<_, ANY, ANY>(ray, self.spheres, |sphere| sphere, |at, _| at as u32, best);
+            if ANY && best.primitive != NO_PRIMITIVE {
+                return;
             }
         }
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
@@ -169,23 +179,22 @@ impl<'a, R: Real> Geometry<'a, R> {
         leaf: &[u32],
         best: &mut Hit<R>,
     ) {
-        let mut rest = leaf;
+        let mut triangles = leaf;
         if const { E::EFFECTS.contains(Effects::SPHERES) } {
-            while let Some(&first) = rest.first().filter(|&&first| (first as usize) < self.spheres.len()) {
-                // Where fewer than four spheres are left, the first stands in for the others and is masked out.
-                let lane = |lane: usize| rest.get(lane).filter(|&&index| (index as usize) < self.spheres.len());
-                let count = 1 + (1..4).take_while(|&at| lane(at).is_some()).count();
-                let indices: [u32; 4] = core::array::from_fn(|at| *lane(at).unwrap_or(&first));
-                let four = indices.map(|index| &self.spheres[index as usize]);
-                self.test_four_spheres(ray, four, count, |lane| indices[lane], best);
-                if ANY && best.primitive != NO_PRIMITIVE {
-                    return;
-                }
-                rest = &rest[count..];
+            let count = if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
+                leaf.iter().take_while(|&&index| (index as usize) < self.spheres.len()).count()
+            } else {
+                leaf.len()
+            };
+            let spheres;
+            (spheres, triangles) = leaf.split_at(count);
+            self.test_spheres::<_, ANY, true>(ray, spheres, |&at| &self.spheres[at as usize], |_, &index| index, best);
+            if ANY && best.primitive != NO_PRIMITIVE {
+                return;
             }
         }
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
-            for &index in rest {
+            for &index in triangles {
                 self.test_triangle(ray, index, best);
                 if ANY && best.primitive != NO_PRIMITIVE {
                     return;
@@ -194,23 +203,48 @@ impl<'a, R: Real> Geometry<'a, R> {
         }
     }
 
-    /// Tests the first `count` of four spheres.
+    /// Tests the spheres that `items` name: all in fours, then what is left one by one. `NARROWED` says whether the
+    /// end of the ray is worth a look: not before anything was hit.
     #[inline(always)]
-    fn test_four_spheres(
-        &self,
+    fn test_spheres<'s, I, const ANY: bool, const NARROWED: bool>(
+        &'s self,
         ray: &PreparedRay<R>,
-        four: [&Sphere<R>; 4],
-        count: usize,
-        index: impl Fn(usize) -> u32,
+        items: &'s [I],
+        sphere: impl Fn(&'s I) -> &'s Sphere<R>,
+        primitive: impl Fn(usize, &I) -> u32,
         best: &mut Hit<R>,
     ) {
-        let mut candidates = sphere_quad::candidates(ray, four) & ((1 << count) - 1);
-        while candidates != 0 {
-            let lane = candidates.trailing_zeros() as usize;
-            candidates &= candidates - 1;
-            let sphere = four[lane];
-            if let Some(t) = sphere.intersect(ray, best.t) {
-                accept(sphere.bounds(), ray, Hit { t, u: R::ZERO, v: R::ZERO, primitive: index(lane) }, best);
+        // One bit for each sphere of a group.
+        for (group, first) in items.chunks(32).zip((0..).step_by(32)) {
+            let mut candidates = 0;
+            for start in (0..group.len()).step_by(4) {
+                // The last four may overlap those before them: then some bits are found twice.
+                let start = start.min(group.len().saturating_sub(4));
+                let four = match &group[start..] {
+                    [a, b, c, d, ..] => [a, b, c, d],
+                    // The first stands in for those that are missing; their bits are masked out.
+                    [a, rest @ ..] => [a, rest.first().unwrap_or(a), rest.get(1).unwrap_or(a), a],
+                    [] => break,
+                };
+                candidates |= sphere_quad::candidates::<R, NARROWED>(ray, four.map(&sphere), best.t) << start;
+            }
+            candidates &= u32::MAX >> (32 - group.len());
+            while candidates != 0 {
+                let at = candidates.trailing_zeros() as usize;
+                candidates &= candidates - 1;
+                let item = &group[at];
+                let sphere = sphere(item);
+                if let Some(t) = sphere.intersect(ray, best.t) {
+                    let found = Hit { t, u: R::ZERO, v: R::ZERO, primitive: primitive(first + at, item) };
+                    if sphere.has_in_box(ray, t) {
+                        best.keep_closer(found);
+                    } else {
+                        *best = accept_rare(sphere.bounds(), ray.ray(), found, *best);
+                    }
+                    if ANY && best.primitive != NO_PRIMITIVE {
+                        return;
+                    }
+                }
             }
         }
     }
@@ -224,12 +258,19 @@ impl<'a, R: Real> Geometry<'a, R> {
     }
 }
 
+/// Makes a hit the best, if the ray meets the primitive's own box and it wins.
 #[inline(always)]
 fn accept<R: Real>(own: Bounds<R>, ray: &PreparedRay<R>, found: Hit<R>, best: &mut Hit<R>) {
     if let Some(near) = own.entry(ray, best.t) {
-        let t = greater(found.t, near);
-        if best.loses_to(t, found.primitive) {
-            *best = Hit { t, ..found };
-        }
+        best.keep_closer(Hit { t: greater(found.t, near), ..found });
     }
+}
+
+/// [`accept`] where it is rarely needed: by value and apart, so that a search that never needs it does not prepare
+/// the ray for boxes.
+#[cold]
+#[inline(never)]
+fn accept_rare<R: Real>(own: Bounds<R>, ray: Ray<R>, found: Hit<R>, mut best: Hit<R>) -> Hit<R> {
+    accept(own, &PreparedRay::new(&ray), found, &mut best);
+    best
 }

@@ -41,6 +41,21 @@ impl<R: Real> Sphere<R> {
         }
     }
 
+    /// Whether it is certain that the slab test of [`Sphere::bounds`] finds the ray to enter that box no later than at
+    /// `t`, a hit of this sphere, and to leave it no earlier.
+    ///
+    /// Let f32 hits lie within `2^19 r` of the origin. In f64 both roots then put the ray within `2^-28 r` of the
+    /// sphere, and the box is wider than the sphere by at least `u r`: the exact ray is in the box at both. The slab
+    /// test finds the entry at most `(1 + u)^4 (1 - 6 u)` times as far as it is, and `t` is rounded by at most `u`. No
+    /// axis overflows: the reciprocal of one that the ray has yet to enter is less than `2^85`. Where the wide
+    /// precision adds no bits there is no such margin.
+    #[inline(always)]
+    pub(super) fn has_in_box(&self, ray: &PreparedRay<R>, t: R) -> bool {
+        let reach = self.radius * R::from_f64((1u32 << 19) as f64);
+        // Not where either product over- or underflows, and not where the ray's square is NaN.
+        !R::WIDE_IS_SELF && t * t * ray.square < reach * reach
+    }
+
     /// The nearest t in `tmin < t <= tmax`.
     ///
     /// The distance of the centre from the line is measured at the foot of its perpendicular, so that neither a far

@@ -5,13 +5,21 @@ use crate::lanes::Lanes;
 use crate::real::{Real, Vector};
 use crate::robust::gamma;
 
-/// Bit k is set unless the ray certainly misses sphere k: beside the line, or behind an origin outside of it.
+/// Bit k is set unless the ray certainly misses sphere k in `0 < t <= tmax`: the sphere is beside the line, or behind
+/// an origin that is outside of it, or (only looked for if `NARROWED`) beyond `tmax`, where the ray has yet to reach it.
 ///
-/// With `F` the distance of the centre and `u` the unit roundoff, the foot of the centre's perpendicular is off by at
-/// most `gamma(12) F` and the ray parameter's sign is certain beyond `gamma(4) F |d|`; both are taken with
-/// `gamma(16)` and with sums of magnitudes in place of lengths. A NaN or an overflow keeps the sphere.
+/// With `F` the distance of the centre from the origin, `r` the radius, `u` the unit roundoff and everything divided
+/// by the squared length of the direction where that is due, the squared distance of the centre from the line less
+/// `r^2` is off by at most `gamma(19) F^2 + gamma(3) r^2`: 6 u F^2 from `F^2 - r^2`, 12 u F^2 from the square of the
+/// projection, one for their difference. Where the centre is ahead of the point at `tmax`, `tmax` is at most `F`, and
+/// the squared distance from there less `r^2` is off by at most `gamma(30) F^2 + gamma(4) r^2`. `gamma(64)` of both
+/// squares covers that and its own rounding. The signs of the projections need no margin: one that is wrong is less
+/// than `gamma(8) F`, and then the centre is as far from the line as from the point.
+///
+/// A NaN keeps the sphere. [`PreparedRay`] has NaN here for directions so short or long that products underflow; for
+/// others `MIN_POSITIVE` covers what underflow can take away.
 #[inline(always)]
-pub fn candidates<R: Real>(ray: &PreparedRay<R>, spheres: [&Sphere<R>; 4]) -> u32 {
+pub fn candidates<R: Real, const NARROWED: bool>(ray: &PreparedRay<R>, spheres: [&Sphere<R>; 4], tmax: R) -> u32 {
     let splat = R::Lanes::splat;
     let rows = spheres.map(|sphere| {
         let [x, y, z] = sphere.center.to_array();
@@ -20,22 +28,23 @@ pub fn candidates<R: Real>(ray: &PreparedRay<R>, spheres: [&Sphere<R>; 4]) -> u3
     let [x, y, z, radius] = R::Lanes::transpose(rows);
     let [ox, oy, oz] = ray.origin.map(splat);
     let [dx, dy, dz] = ray.direction.map(splat);
+    let zero = splat(R::ZERO);
     let (fx, fy, fz) = (x - ox, y - oy, z - oz);
     let along = fx * dx + fy * dy + fz * dz;
-    let t = along * splat(ray.inverse_square);
-    let (lx, ly, lz) = (fx - dx * t, fy - dy * t, fz - dz * t);
-    let foot_square = lx * lx + ly * ly + lz * lz;
     let distance_square = fx * fx + fy * fy + fz * fz;
-    let distance_sum = fx.abs() + fy.abs() + fz.abs();
+    let radius_square = radius * radius;
+    let error = (distance_square + radius_square) * splat(gamma::<R>(64)) + splat(R::MIN_POSITIVE);
 
-    let error = splat(gamma::<R>(16));
-    let tiny = splat(R::MIN_POSITIVE);
-    let reach = radius + (radius + distance_sum) * error;
-    let beside = foot_square.greater(reach * reach + tiny);
-    let rim = radius + radius * error;
-    let outside = distance_square.greater(rim * rim + tiny);
-    let behind = splat(R::ZERO).greater(along + distance_sum * splat(ray.direction_sum) * error);
-    !(beside | (outside & behind)) & 0b1111
+    let t = along * splat(ray.inverse_square);
+    let from_origin = distance_square - radius_square;
+    let from_line = from_origin - along * t;
+    let missed = from_line.greater(error) | (from_origin.greater(error) & zero.greater(t));
+    if !NARROWED {
+        return !missed & 0b1111;
+    }
+    let along_from_end = along - splat(tmax * ray.square);
+    let from_end = from_origin - splat(tmax) * (along + along_from_end);
+    !(missed | (from_end.greater(error) & along_from_end.greater(zero))) & 0b1111
 }
 
 #[cfg(test)]
@@ -52,9 +61,9 @@ mod tests {
         let beside = sphere(0.0, 2.0, -5.0, 1.0);
         let around = sphere(0.0, 0.0, 1.0, 4.0);
         let ray = Ray::new(V::ZERO, V::new(0.0, 0.0, -3.0));
-        assert_eq!(candidates(&PreparedRay::new(&ray), [&ahead, &behind, &beside, &around]), 0b1001);
+        assert_eq!(candidates::<_, true>(&PreparedRay::new(&ray), [&ahead, &behind, &beside, &around], ray.tmax), 0b1001);
         let touching = sphere(0.0, 1.0, -5.0, 1.0);
         let nearly = sphere(0.0, 1.0 + 1e-7, -5.0, 1.0);
-        assert_eq!(candidates(&PreparedRay::new(&ray), [&touching, &nearly, &behind, &beside]), 0b0011);
+        assert_eq!(candidates::<_, true>(&PreparedRay::new(&ray), [&touching, &nearly, &behind, &beside], ray.tmax), 0b0011);
     }
 }

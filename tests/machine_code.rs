@@ -1,0 +1,98 @@
+//! What the compiler made of a specialised kernel: an effect outside of its set leaves no instruction behind.
+//!
+//! The test disassembles its own program. From the address of a kernel in the host's table it follows every call,
+//! and asks the line tables from which source file and function each instruction comes, inlined ones included.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use addr2line::Loader;
+use iced_x86::{Decoder, DecoderOptions};
+use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
+use ocellus::kernels::{Row, TABLE, TableReal};
+
+/// Source files and functions that code can come from, by the effect that they belong to.
+const TRACES: [(&str, &str); 9] = [
+    ("glass", "kernel/src/material/dielectric.rs"),
+    ("glass", "kernel/src/material/fresnel.rs"),
+    ("mirror", "kernel/src/material/mirror.rs"),
+    ("textures", "kernel/src/texture.rs"),
+    ("triangles", "kernel/src/shape/triangle.rs"),
+    ("sphere-light", "kernel/src/light/sphere.rs"),
+    ("point-light", "kernel/src/light/point.rs"),
+    ("lens", "kernel/src/warp.rs disk"),
+    ("filter", "kernel/src/warp.rs gaussian"),
+];
+
+/// This program, as its file says it.
+struct Program {
+    lines: Loader,
+    /// Functions by address: size, demangled name, code.
+    functions: BTreeMap<u64, (String, Vec<u8>)>,
+    /// What is added to an address of the file to give one of the running program.
+    load_offset: u64,
+}
+
+impl Program {
+    fn this() -> Self {
+        let path = std::env::current_exe().unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let file = object::File::parse(&*bytes).unwrap();
+        let mut functions = BTreeMap::new();
+        for symbol in file.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0) {
+            let section = file.section_by_index(symbol.section_index().unwrap()).unwrap();
+            let code = section.data_range(symbol.address(), symbol.size()).unwrap().unwrap_or_default();
+            let name = addr2line::demangle_auto(symbol.name().unwrap().into(), None).into_owned();
+            functions.insert(symbol.address(), (name, code.to_vec()));
+        }
+        let mapped = std::fs::read_to_string("/proc/self/maps").unwrap();
+        let first = mapped.lines().find(|line| line.ends_with(path.to_str().unwrap())).unwrap();
+        let load_offset = u64::from_str_radix(first.split('-').next().unwrap(), 16).unwrap();
+        Self { lines: Loader::new(&path).unwrap(), functions, load_offset }
+    }
+
+    /// Every `file function` that the code reached from `start` comes from.
+    fn sources(&self, start: u64) -> BTreeSet<String> {
+        let mut sources = BTreeSet::new();
+        let mut seen = BTreeSet::from([start]);
+        let mut waiting = vec![start];
+        while let Some(address) = waiting.pop() {
+            let (_, code) = &self.functions[&address];
+            for instruction in Decoder::with_ip(64, code, address, DecoderOptions::NONE) {
+                let mut frames = self.lines.find_frames(instruction.ip()).unwrap();
+                while let Some(frame) = frames.next().unwrap() {
+                    let file = frame.location.and_then(|location| location.file).unwrap_or_default();
+                    let function = frame.function.map(|function| function.demangle().unwrap().into_owned());
+                    sources.insert(format!("{file} {}", function.unwrap_or_default()));
+                }
+                // 0 where the instruction is no direct call or jump.
+                let target = instruction.near_branch_target();
+                // Formatting and panics of the standard library do no work of the kernel.
+                let is_ours = self.functions.get(&target).is_some_and(|(name, _)| name.contains("ocellus"));
+                if is_ours && seen.insert(target) {
+                    waiting.push(target);
+                }
+            }
+        }
+        sources
+    }
+}
+
+/// The effects whose code is found in a row's kernel.
+fn traces<R: TableReal>(program: &Program, row: &Row) -> BTreeSet<&'static str> {
+    let sources = program.sources(R::kernel(row) as usize as u64 - program.load_offset);
+    assert!(sources.iter().any(|source| source.contains("kernel/src/path.rs")), "{}: not a kernel", row.name);
+    let found = |trace: &str| sources.iter().any(|source| source.contains(trace));
+    TRACES.iter().filter(|(_, trace)| found(trace)).map(|(effect, _)| *effect).collect()
+}
+
+#[test]
+fn kernels_hold_the_code_of_their_own_effects_and_no_other() {
+    let program = Program::this();
+    let all: BTreeSet<&str> = TRACES.iter().map(|(effect, _)| *effect).collect();
+    for row in TABLE {
+        let own: BTreeSet<&str> = row.effects.names().filter(|name| all.contains(name)).collect();
+        println!("{}: code of {own:?} expected", row.name);
+        assert_eq!(traces::<f32>(&program, row), own, "{} in f32", row.name);
+        assert_eq!(traces::<f64>(&program, row), own, "{} in f64", row.name);
+    }
+}
