@@ -158,11 +158,14 @@ fn far_cones_keep_their_solid_angle<R: Real>() {
     }
 }
 
+/// From a counter to (seed, column, row, sample, vertex).
+type Walk = fn(u32) -> (u64, u32, u32, u32, u32);
+
 /// Every part of an address, counted up by ones as a renderer does, gives numbers that fill a grid evenly: the top
 /// bits against the bits below them, each lane against the next, and each address against its neighbour.
 #[test]
 fn philox_is_even_along_every_part_of_the_address() {
-    let walks: [(&str, fn(u32) -> (u64, u32, u32, u32, u32)); 6] = [
+    let walks: [(&str, Walk); 6] = [
         ("seed", |i| (u64::from(i), 3, 5, 0, 1)),
         ("high seed", |i| (u64::from(i) << 32, 3, 5, 0, 1)),
         ("column", |i| (7, i & 0xFFFF, 5, i >> 16, 1)),

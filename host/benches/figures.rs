@@ -50,12 +50,8 @@ fn figure(name: &str) -> PathBuf {
 /// Runs `ocellus render SCENE` with more arguments and reads its report.
 fn render(scene: &Path, arguments: &[&str]) -> Result<Value, Box<dyn Error>> {
     let picture = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bench.exr");
-    let output = Command::new(PROGRAM)
-        .args(["render", "--json", "-o"])
-        .arg(&picture)
-        .arg(scene)
-        .args(arguments)
-        .output()?;
+    let output =
+        Command::new(PROGRAM).args(["render", "--json", "-o"]).arg(&picture).arg(scene).args(arguments).output()?;
     if !output.status.success() {
         return Err(String::from_utf8_lossy(&output.stderr).into());
     }

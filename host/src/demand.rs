@@ -1,5 +1,8 @@
 //! Which effects a scene calls for, and which lines ask for them.
 
+use std::collections::HashSet;
+use std::sync::Arc;
+
 use ocellus_kernel::Effects;
 
 use crate::description::{FilterDescription, LightDescription, ScatteringDescription, SceneDescription};
@@ -22,9 +25,13 @@ pub struct Demand {
 pub fn demands(scene: &SceneDescription) -> Vec<Demand> {
     let mut demands: Vec<Demand> =
         Effects::ALL.iter().map(|&(effect, name)| Demand { effect, name, origins: Vec::new() }).collect();
+    let mut asked = HashSet::new();
     let mut ask = |effect: Effects, origin: &Origin| {
-        for demand in demands.iter_mut().filter(|demand| demand.effect == effect && !demand.origins.contains(origin)) {
-            demand.origins.push(origin.clone());
+        // A scene may have many thousand spheres: looking through the list each time would take minutes.
+        if asked.insert((effect, Arc::clone(&origin.file), origin.line)) {
+            for demand in demands.iter_mut().filter(|demand| demand.effect == effect) {
+                demand.origins.push(origin.clone());
+            }
         }
     };
 
@@ -44,7 +51,12 @@ pub fn demands(scene: &SceneDescription) -> Vec<Demand> {
     }
     for (material, _) in scene.materials.iter().zip(&used).filter(|(_, used)| **used) {
         match material.scattering {
-            ScatteringDescription::Diffuse { texture: Some(_), .. } => ask(Effects::TEXTURES, &material.detail_origin),
+            ScatteringDescription::Diffuse { texture: Some(texture), .. } => {
+                // With emission too, `detail_origin` is the line of that.
+                let emits = material.emission != DVec3::ZERO;
+                let of_texture = scene.textures.get(texture).filter(|_| emits).map(|texture| &texture.origin);
+                ask(Effects::TEXTURES, of_texture.unwrap_or(&material.detail_origin));
+            }
             ScatteringDescription::Diffuse { texture: None, .. } => {}
             ScatteringDescription::Mirror { .. } => ask(Effects::MIRROR, &material.origin),
             ScatteringDescription::Dielectric { .. } => ask(Effects::GLASS, &material.origin),
@@ -79,4 +91,87 @@ pub fn demands(scene: &SceneDescription) -> Vec<Demand> {
         ask(Effects::FILTER, &scene.film.filter_origin);
     }
     demands
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assemble::{Accel, with_view};
+    use crate::load::{load_scene, test_folder::TestFolder};
+    use ocellus_kernel::Real;
+    use std::path::{Path, PathBuf};
+
+    fn fixture_scenes() -> Vec<PathBuf> {
+        let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures");
+        let mut scenes = vec![fixtures.join("meshes/cat.obj")];
+        for folder in ["report", "features"] {
+            let entries = std::fs::read_dir(fixtures.join(folder)).expect("the fixtures");
+            let paths = entries.map(|entry| entry.expect("an entry").path());
+            scenes.extend(paths.filter(|path| path.extension().is_some_and(|extension| extension == "toml")));
+        }
+        assert!(scenes.len() > 30, "only {} scenes found", scenes.len());
+        scenes
+    }
+
+    fn demanded(scene: &SceneDescription) -> Effects {
+        let on = demands(scene).into_iter().filter(|demand| !demand.origins.is_empty());
+        on.fold(Effects::NONE, |set, demand| set.union(demand.effect))
+    }
+
+    fn required<R: Real>(scene: &SceneDescription) -> Effects {
+        with_view::<R, _>(scene, Accel::None, |view, _| view.required_effects()).expect("a scene for the kernel")
+    }
+
+    #[test]
+    fn the_lines_ask_for_what_the_kernel_finds() {
+        let mut seen = Effects::NONE;
+        for path in fixture_scenes() {
+            let scene = load_scene(&path).expect("a good scene");
+            let demanded = demanded(&scene);
+            assert_eq!(demanded, required::<f32>(&scene), "{}", path.display());
+            assert_eq!(demanded, required::<f64>(&scene), "{}", path.display());
+            seen = seen.union(demanded);
+        }
+        assert_eq!(seen, Effects::EVERYTHING, "each effect is asked for by some fixture");
+    }
+
+    /// What a scene defines and does not use costs nothing.
+    #[test]
+    fn what_is_not_used_asks_for_nothing() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/features/mirror.toml");
+        let mut scene = load_scene(&path).expect("a good scene");
+        assert!(demanded(&scene).contains(Effects::MIRROR));
+        scene.spheres.retain(|sphere| {
+            !matches!(scene.materials[sphere.material].scattering, ScatteringDescription::Mirror { .. })
+        });
+        assert!(!demanded(&scene).contains(Effects::MIRROR));
+        assert_eq!(demanded(&scene), required::<f32>(&scene));
+    }
+
+    #[test]
+    fn a_material_with_texture_and_emission_asks_for_both_on_their_own_lines() {
+        let folder = TestFolder::new();
+        folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+        image::RgbImage::new(1, 1).save(folder.path("a.png")).expect("a picture");
+        let text = "[camera]\nposition = [0, 0, 4]\nlook_at = [0, 0, 0]\n[materials.m]\nkind = \"diffuse\"\n\
+                    texture = \"a.png\"\nemission = 2\n[[meshes]]\nfile = \"a.obj\"\nmaterial = \"m\"\n";
+        let demands = demands(&load_scene(&folder.write("a.toml", text)).expect("a good scene"));
+        let lines = |effect| {
+            let demand = demands.iter().find(|demand| demand.effect == effect).expect("every effect is listed");
+            demand.origins.iter().map(|origin| origin.line).collect::<Vec<_>>()
+        };
+        assert_eq!((lines(Effects::TEXTURES), lines(Effects::EMISSION)), (vec![6], vec![7]));
+        assert_eq!(lines(Effects::TRIANGLES), [8]);
+    }
+
+    #[test]
+    fn each_line_is_listed_once() {
+        for path in fixture_scenes() {
+            for demand in demands(&load_scene(&path).expect("a good scene")) {
+                for (index, origin) in demand.origins.iter().enumerate() {
+                    assert!(!demand.origins[..index].contains(origin), "{origin} twice for {}", demand.name);
+                }
+            }
+        }
+    }
 }

@@ -41,3 +41,21 @@ impl Interrupt {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_signal_chooses_the_exit_code() {
+        let interrupt = Interrupt::default();
+        assert_eq!(interrupt.received(), None);
+        let clone = interrupt.clone();
+        for (signal, code) in [(SIGINT, ExitCode::Interrupted), (SIGTERM, ExitCode::Terminated)] {
+            interrupt.signal.store(signal as usize, Ordering::Relaxed);
+            assert_eq!(clone.received(), Some(code));
+            // What a shell reports for a program that the signal killed.
+            assert_eq!(code as i32, 128 + signal);
+        }
+    }
+}

@@ -42,3 +42,82 @@ impl Monitor for Progress {
         self.interrupt.received().is_some()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use indicatif::{ProgressDrawTarget, TermLike};
+    use std::io;
+    use std::sync::{Arc, Mutex};
+
+    /// A terminal that keeps the line it shows.
+    #[derive(Clone, Debug, Default)]
+    struct OneLine(Arc<Mutex<String>>);
+
+    impl OneLine {
+        fn shown(&self) -> String {
+            self.0.lock().expect("no test panics while it draws").clone()
+        }
+    }
+
+    impl TermLike for OneLine {
+        fn width(&self) -> u16 {
+            80
+        }
+
+        fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn write_line(&self, text: &str) -> io::Result<()> {
+            self.write_str(text)
+        }
+
+        fn write_str(&self, text: &str) -> io::Result<()> {
+            self.0.lock().expect("no test panics while it draws").push_str(text);
+            Ok(())
+        }
+
+        fn clear_line(&self) -> io::Result<()> {
+            self.0.lock().expect("no test panics while it draws").clear();
+            Ok(())
+        }
+
+        fn flush(&self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn the_bar_tells_how_far_the_work_is_and_goes_away() {
+        let progress = Progress::new(4_000_000, Interrupt::default());
+        let terminal = OneLine::default();
+        progress.bar.set_draw_target(ProgressDrawTarget::term_like(Box::new(terminal.clone())));
+        progress.advance(1_000_000);
+        progress.bar.tick();
+        let shown = terminal.shown();
+        for text in [" 25 %", " gone, ", " left  ", "paths/s"] {
+            assert!(shown.contains(text), "no {text:?} in {shown:?}");
+        }
+        assert!(shown.trim_end().len() < 80, "{shown:?}");
+        progress.finish();
+        assert_eq!(terminal.shown(), "");
+    }
+
+    #[test]
+    fn without_a_signal_the_work_goes_on() {
+        assert!(!Progress::new(1, Interrupt::default()).stopped());
+    }
+}

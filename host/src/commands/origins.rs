@@ -1,5 +1,6 @@
 //! Places in files as short text: each file once, with its lines.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use crate::error::Origin;
@@ -21,37 +22,32 @@ pub(super) fn layout(origins: &[Origin], whole: &str, width: usize) -> Vec<Strin
 fn of_file(file: &Path, mut lines: Vec<usize>, whole: &str, width: usize) -> String {
     lines.sort_unstable();
     lines.dedup();
+    let ranges = ranges(&lines);
     let whole = if lines.first() == Some(&0) { whole } else { "" };
-    let mut ranges = ranges(&lines).peekable();
-    let mut text = format!("{}{whole}", file.display());
-    let mut left = lines.iter().filter(|&&line| line > 0).count();
-    let mut separator = if whole.is_empty() { ":" } else { ", lines " };
-    while let Some((first, last)) = ranges.next() {
-        let range = if first == last { first.to_string() } else { format!("{first}-{last}") };
-        left -= last - first + 1;
-        let rest = if ranges.peek().is_some() { more(left).chars().count() } else { 0 };
-        let used = text.chars().count() + separator.len() + range.len() + rest;
-        // The first range is there in any case: a file without a line says little.
-        if used > width && separator == "," {
-            return text + &more(left + last - first + 1);
-        }
-        text += separator;
-        text += &range;
-        separator = ",";
-    }
-    text
+    let separator = if whole.is_empty() { ":" } else { ", lines " };
+    let with_ranges = |count: usize| {
+        let (shown, left) = ranges.split_at(count);
+        let left: usize = left.iter().map(|range| range.end() - range.start() + 1).sum();
+        let shown: Vec<_> = shown.iter().map(|range| in_words(range)).collect();
+        let more = if left > 0 { format!(" and {left} more") } else { String::new() };
+        let separator = if shown.is_empty() { "" } else { separator };
+        format!("{}{whole}{separator}{}{more}", file.display(), shown.join(","))
+    };
+    // All of them, or as many as fit, which is less than one a column; the first in any case.
+    let fewer = (1..ranges.len().min(width)).rev();
+    let fitting = [ranges.len()].into_iter().chain(fewer).map(with_ranges).find(|text| text.chars().count() <= width);
+    fitting.unwrap_or_else(|| with_ranges(ranges.len().min(1)))
 }
 
-fn more(count: usize) -> String {
-    format!(" and {count} more")
+fn in_words(range: &RangeInclusive<usize>) -> String {
+    let (first, last) = (range.start(), range.end());
+    if first == last { first.to_string() } else { format!("{first}-{last}") }
 }
 
 /// The runs of neighbours in ascending `lines`, without line 0, which is no line.
-fn ranges(lines: &[usize]) -> impl Iterator<Item = (usize, usize)> {
-    lines
-        .chunk_by(|a, b| *a > 0 && a + 1 == *b)
-        .filter_map(|run| Some((*run.first()?, *run.last()?)))
-        .filter(|&(first, _)| first > 0)
+fn ranges(lines: &[usize]) -> Vec<RangeInclusive<usize>> {
+    let runs = lines.chunk_by(|a, b| *a > 0 && a + 1 == *b);
+    runs.filter_map(|run| Some(*run.first()?..=*run.last()?)).filter(|range| *range.start() > 0).collect()
 }
 
 #[cfg(test)]
@@ -78,7 +74,7 @@ mod tests {
     #[test]
     fn long_lists_end_within_the_width_and_count_the_rest() {
         let lines: Vec<usize> = (1..200).map(|n| 3 * n).collect();
-        for width in 20..100 {
+        for width in 24..100 {
             let [text] = layout(&at("a.toml", &lines), "", width).try_into().expect("one file");
             assert!(text.len() <= width, "{text}");
             assert!(text.len() + 8 > width, "room for more: {text}");

@@ -62,9 +62,14 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>, Error> {
     if !args.output.is_empty() {
         return Ok(args.output.clone());
     }
-    let name =
-        args.scene.scene.file_stem().ok_or_else(|| Error::usage("the scene has no name", "name an output with -o"))?;
-    let output = PathBuf::from(name).with_extension("png");
+    let mut name = args
+        .scene
+        .scene
+        .file_stem()
+        .ok_or_else(|| Error::usage("the scene has no name", "name an output with -o"))?
+        .to_os_string();
+    name.push(".png");
+    let output = PathBuf::from(name);
     if output.exists() && !is_ours(&output) {
         // Beside a mesh `cat.obj` often lies its texture `cat.png`.
         let cause = format!("{} exists and was not rendered by this program", output.display());
@@ -146,12 +151,13 @@ fn summarize(rendering: &Rendering, settings: &RenderSettings) {
     let took = duration(seconds);
     tell(match rendering.interrupted {
         false => format!("{asked} per pixel in {took}"),
+        true if most == 0 => format!("stopped early: no sample was done in {took}, so the picture is black"),
+        true if fewest == 0 => {
+            format!("stopped early: pixels have 0 to {most} of {asked} after {took}; those with 0 are black")
+        }
         true if fewest == most => format!("stopped early: each pixel has {most} of {asked} after {took}"),
         true => format!("stopped early: pixels have {fewest} to {most} of {asked} after {took}"),
     });
-    if rendering.interrupted && fewest == 0 {
-        tell("pixels without a sample are black");
-    }
     let rate = |count: u64| abridged(count as f64 / seconds.max(1e-9));
     tell(format_args!(
         "{} paths/s, {} rays/s; kernel {}; image hash {:016x}",

@@ -36,9 +36,7 @@ impl<R: Real> BuildItem<R> {
 /// Bins along the axis of a split.
 const BINS: usize = 16;
 /// Cost of visiting an inner node's two children, in triangle tests.
-const VISIT_COST: f64 = 1.25;
-/// Cost of a test of four spheres, in triangle tests.
-const FOUR_SPHERES_COST: f64 = 0.75;
+const VISIT_COST: f64 = 2.0;
 /// Leaves cost at most this much, in triangle tests.
 const MAX_LEAF_COST: f64 = 8.0;
 /// Below this depth splits halve, which takes at most 32 more levels for 2^31 primitives.
@@ -178,10 +176,10 @@ impl Counts {
         Self { spheres: self.spheres + other.spheres, triangles: self.triangles + other.triangles }
     }
 
-    /// Cost of testing all of them, in triangle tests.
+    /// Cost of testing all of them, in triangle tests: four spheres cost about as much as one triangle.
     #[inline]
     fn cost(self) -> f64 {
-        self.spheres.div_ceil(4) as f64 * FOUR_SPHERES_COST + self.triangles as f64
+        (self.spheres.div_ceil(4) + self.triangles) as f64
     }
 }
 

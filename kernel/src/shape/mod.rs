@@ -181,11 +181,7 @@ impl<'a, R: Real> Geometry<'a, R> {
     ) {
         let mut triangles = leaf;
         if const { E::EFFECTS.contains(Effects::SPHERES) } {
-            let count = if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
-                leaf.iter().take_while(|&&index| (index as usize) < self.spheres.len()).count()
-            } else {
-                leaf.len()
-            };
+            let count = leaf.iter().take_while(|&&index| (index as usize) < self.spheres.len()).count();
             let spheres;
             (spheres, triangles) = leaf.split_at(count);
             self.test_spheres::<_, ANY, true>(ray, spheres, |&at| &self.spheres[at as usize], |_, &index| index, best);

@@ -9,12 +9,14 @@ use crate::robust::gamma;
 /// an origin that is outside of it, or (only looked for if `NARROWED`) beyond `tmax`, where the ray has yet to reach it.
 ///
 /// With `F` the distance of the centre from the origin, `r` the radius, `u` the unit roundoff and everything divided
-/// by the squared length of the direction where that is due, the squared distance of the centre from the line less
-/// `r^2` is off by at most `gamma(19) F^2 + gamma(3) r^2`: 6 u F^2 from `F^2 - r^2`, 12 u F^2 from the square of the
-/// projection, one for their difference. Where the centre is ahead of the point at `tmax`, `tmax` is at most `F`, and
-/// the squared distance from there less `r^2` is off by at most `gamma(30) F^2 + gamma(4) r^2`. `gamma(64)` of both
-/// squares covers that and its own rounding. The signs of the projections need no margin: one that is wrong is less
-/// than `gamma(8) F`, and then the centre is as far from the line as from the point.
+/// by the squared length of the direction where that is due: `F^2 - r^2` is off by at most
+/// `gamma(6) F^2 + gamma(2) r^2`; with `gamma(8)` of both squares a ray that was put off a sphere's surface is
+/// certainly outside. The squared distance of the centre from the line less `r^2` is off by at most
+/// `gamma(19) F^2 + gamma(3) r^2`: 12 u F^2 from the square of the projection, one rounding for the difference. Where
+/// the centre is ahead of the point at `tmax`, `tmax` is at most `F`, and the squared distance from there less `r^2`
+/// is off by at most `gamma(30) F^2 + gamma(4) r^2`. `gamma(64)` of both squares covers both with their own rounding.
+/// The signs of the projections need no margin: one that is wrong is less than `gamma(8) F`, and then the centre is
+/// as far from the line as from the point.
 ///
 /// A NaN keeps the sphere. [`PreparedRay`] has NaN here for directions so short or long that products underflow; for
 /// others `MIN_POSITIVE` covers what underflow can take away.
@@ -33,12 +35,13 @@ pub fn candidates<R: Real, const NARROWED: bool>(ray: &PreparedRay<R>, spheres: 
     let along = fx * dx + fy * dy + fz * dz;
     let distance_square = fx * fx + fy * fy + fz * fz;
     let radius_square = radius * radius;
-    let error = (distance_square + radius_square) * splat(gamma::<R>(64)) + splat(R::MIN_POSITIVE);
+    let small_error = (distance_square + radius_square) * splat(gamma::<R>(8)) + splat(R::MIN_POSITIVE);
+    let error = small_error * splat(R::from_f64(8.0));
 
     let t = along * splat(ray.inverse_square);
     let from_origin = distance_square - radius_square;
     let from_line = from_origin - along * t;
-    let missed = from_line.greater(error) | (from_origin.greater(error) & zero.greater(t));
+    let missed = from_line.greater(error) | (from_origin.greater(small_error) & zero.greater(t));
     if !NARROWED {
         return !missed & 0b1111;
     }
