@@ -69,7 +69,8 @@ impl<R: Real> Camera<R> {
             Filter::Box(width) | Filter::Tent(width) | Filter::Gaussian(width) => width,
         };
         let scalars = [field_of_view, aperture_radius, focal_distance, filter_width];
-        if !vectors.iter().flatten().chain(&scalars).all(|x| x.is_finite()) {
+        // Finite in the precision of the camera, too.
+        if !vectors.iter().flatten().chain(&scalars).all(|&x| R::from_f64(x).is_finite()) {
             return Err(CameraError::NotFinite);
         }
         if !(1..=65_535).contains(&width) || !(1..=65_535).contains(&height) {
@@ -86,11 +87,12 @@ impl<R: Real> Camera<R> {
         }
         let [position, look_at, up] = vectors.map(glam::DVec3::from_array);
         let forward = normalize::<f64>(look_at - position);
-        let right = normalize::<f64>(forward.cross(normalize::<f64>(up)));
-        let is_unit = |v: glam::DVec3| (v.dot(v) - 1.0).abs() < 1e-12;
-        if !(is_unit(forward) && is_unit(right)) {
+        let side = forward.cross(normalize::<f64>(up));
+        // Below this sine an up that was meant to be parallel differs by rounding alone.
+        if !(forward.dot(forward) > 0.5 && side.dot(side) > 1e-24) {
             return Err(CameraError::Orientation);
         }
+        let right = normalize::<f64>(side);
         let half_fov = libm::tan(field_of_view * 0.5);
         Ok(Self {
             position: vec3_from_f64::<R>(settings.position),

@@ -50,10 +50,10 @@ impl Pixel {
     #[inline]
     pub fn add(&mut self, radiance: [f32; 3]) {
         if !radiance.iter().all(|x| x.is_finite()) {
-            self.non_finite += 1;
+            self.non_finite = self.non_finite.saturating_add(1);
             return;
         }
-        self.count += 1;
+        self.count = self.count.saturating_add(1);
         for (channel, value) in radiance.into_iter().enumerate() {
             let value = f64::from(value);
             self.sums[channel].add(ExactSum { high: value, low: 0.0 });
@@ -63,8 +63,8 @@ impl Pixel {
 
     /// Adds all samples of another pixel.
     pub fn merge(&mut self, other: &Self) {
-        self.count += other.count;
-        self.non_finite += other.non_finite;
+        self.count = self.count.saturating_add(other.count);
+        self.non_finite = self.non_finite.saturating_add(other.non_finite);
         for channel in 0..3 {
             self.sums[channel].add(other.sums[channel]);
             self.squares[channel] += other.squares[channel];

@@ -84,9 +84,10 @@ pub fn surface_point<R: Real, E: EffectSet>(scene: &Scene<'_, R>, ray: &Ray<R>, 
     let ng = narrow::<R>(normalize_wide::<R>((b - a).cross(c - a)));
     let terms: [Vec3<R>; 3] = core::array::from_fn(|corner| corners[corner] * weights[corner]);
     let p = terms[0] + terms[1] + terms[2];
-    // PBR 4ed, section 6.8.5, and what moving along the plane by the error of the weights can add.
-    let p_error =
-        (terms[0].abs() + terms[1].abs() + terms[2].abs()) * gamma::<R>(7) + largest::<R>(corners) * gamma::<R>(3);
+    // PBR 4ed, section 6.8.5, and what the rounding of t can add: it comes from all axes of the corners, so it counts
+    // on each, also along the normal of a plane in which one coordinate is 0.
+    let p_error = (terms[0].abs() + terms[1].abs() + terms[2].abs()) * gamma::<R>(7)
+        + Vec3::<R>::splat(largest::<R>(corners) * gamma::<R>(3));
     let mut point = SurfacePoint { p, p_error, ng, ns: ng, uv: [R::ZERO; 2], wo, material: attributes.material };
     if const { E::EFFECTS.contains(Effects::SMOOTH_NORMALS) }
         && let Some(normals) = attributes.normals
@@ -110,10 +111,9 @@ pub fn surface_point<R: Real, E: EffectSet>(scene: &Scene<'_, R>, ray: &Ray<R>, 
     point
 }
 
-/// The largest magnitude of each component.
+/// The largest magnitude of any component.
 #[inline]
-fn largest<R: Real>(corners: [Vec3<R>; 3]) -> Vec3<R> {
-    let [a, b, c] = corners.map(|corner| -> Vec3<R> { corner.abs() });
-    let of = |a: R, b: R, c: R| greater(greater(a, b), c);
-    Vector::new(of(a.x(), b.x(), c.x()), of(a.y(), b.y(), c.y()), of(a.z(), b.z(), c.z()))
+fn largest<R: Real>(corners: [Vec3<R>; 3]) -> R {
+    let [a, b, c] = corners.map(|corner| Vector::abs(corner).max_component());
+    greater(greater(a, b), c)
 }

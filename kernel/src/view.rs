@@ -64,9 +64,9 @@ impl<R: Real> View<'_, R> {
     /// and samples are split among them, or on `E`, as long as it has the view's [`View::required_effects`].
     pub fn render<E: EffectSet>(&self, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work {
         let mut work = Work::default();
-        for (column, pixel) in (x..).zip(pixels) {
+        for (offset, pixel) in pixels.iter_mut().enumerate() {
             for sample in samples.clone() {
-                let path = self.sample::<E>(column, y, sample);
+                let path = self.sample::<E>(x.wrapping_add(offset as u32), y, sample);
                 pixel.add(to_sample::<R>(path.radiance));
                 work = work + Work { paths: 1, rays: u64::from(path.rays) };
             }

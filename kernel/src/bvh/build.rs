@@ -36,7 +36,7 @@ impl<R: Real> BuildItem<R> {
 /// Bins along the axis of a split.
 const BINS: usize = 16;
 /// Cost of visiting an inner node's two children, in triangle tests.
-const VISIT_COST: f64 = 2.0;
+const VISIT_COST: f64 = 1.25;
 /// Leaves cost at most this much, in triangle tests.
 const MAX_LEAF_COST: f64 = 8.0;
 /// Below this depth splits halve, which takes at most 32 more levels for 2^31 primitives.

@@ -3,7 +3,7 @@
 //! Both are generic over how primitives are found: all of them, or through a hierarchy. The answer is the same bits
 //! either way; see `Geometry::test_all`.
 
-use super::{Bvh, MAX_DEPTH};
+use super::{Bvh, MAX_DEPTH, Node};
 use crate::effects::EffectSet;
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::Real;
@@ -46,8 +46,11 @@ fn search<R: Real, E: EffectSet, const ANY: bool>(
     (best.primitive != NO_PRIMITIVE).then_some(best)
 }
 
-/// Up to this many spheres are tested without a look at the box around them, which costs about as much.
-const WITHOUT_BOX: u32 = 16;
+/// Whether the root is a leaf of few spheres: a look at its box costs about as much as they do.
+#[inline(always)]
+fn is_small<R: Real>(geometry: &Geometry<'_, R>, root: &Node<R>) -> bool {
+    geometry.triangles().is_empty() && (1..=16).contains(&root.count)
+}
 
 #[inline(always)]
 fn descend<R: Real, E: EffectSet, const ANY: bool>(
@@ -57,16 +60,15 @@ fn descend<R: Real, E: EffectSet, const ANY: bool>(
     best: &mut Hit<R>,
 ) {
     let Some(mut node) = bvh.nodes.first() else { return };
-    // Small scenes are one leaf, and it holds all primitives in their own order.
-    if node.count > 0 {
-        let small = geometry.triangles().is_empty() && node.count <= WITHOUT_BOX;
-        if small || node.bounds.entry(ray, best.t).is_some() {
-            geometry.test_all::<E, ANY>(ray, best);
-        }
-        return;
+    // A root that is a leaf holds all primitives in their own order.
+    if is_small(geometry, node) {
+        return geometry.test_all::<E, ANY>(ray, best);
     }
     if node.bounds.entry(ray, best.t).is_none() {
         return;
+    }
+    if node.count > 0 {
+        return geometry.test_all::<E, ANY>(ray, best);
     }
     // Nodes that wait, with where the ray enters them. One waits per level, so the stack cannot overflow.
     let mut waiting = [(0u32, R::ZERO); MAX_DEPTH];

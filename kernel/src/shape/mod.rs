@@ -247,7 +247,9 @@ impl<'a, R: Real> Geometry<'a, R> {
 
     #[inline(always)]
     fn test_triangle(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
-        let corners = self.corners(index as usize - self.spheres.len());
+        // A kernel without spheres that is given a scene with some must not mistake one for a triangle.
+        let Some(at) = (index as usize).checked_sub(self.spheres.len()) else { return };
+        let corners = self.corners(at);
         if let Some((t, u, v)) = triangle::intersect(&corners, ray, best.t) {
             accept(triangle::bounds(&corners), ray, Hit { t, u, v, primitive: index }, best);
         }

@@ -64,9 +64,15 @@ mod tests {
         let beside = sphere(0.0, 2.0, -5.0, 1.0);
         let around = sphere(0.0, 0.0, 1.0, 4.0);
         let ray = Ray::new(V::ZERO, V::new(0.0, 0.0, -3.0));
-        assert_eq!(candidates::<_, true>(&PreparedRay::new(&ray), [&ahead, &behind, &beside, &around], ray.tmax), 0b1001);
+        assert_eq!(
+            candidates::<_, true>(&PreparedRay::new(&ray), [&ahead, &behind, &beside, &around], ray.tmax),
+            0b1001
+        );
         let touching = sphere(0.0, 1.0, -5.0, 1.0);
         let nearly = sphere(0.0, 1.0 + 1e-7, -5.0, 1.0);
-        assert_eq!(candidates::<_, true>(&PreparedRay::new(&ray), [&touching, &nearly, &behind, &beside], ray.tmax), 0b0011);
+        assert_eq!(
+            candidates::<_, true>(&PreparedRay::new(&ray), [&touching, &nearly, &behind, &beside], ray.tmax),
+            0b0011
+        );
     }
 }
