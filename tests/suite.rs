@@ -38,3 +38,12 @@ mod errors_kernel;
 /// What the compiler made of a specialised kernel.
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod machine_code;
+
+/// Whole pictures against converged ones of another renderer.
+mod references;
+
+/// The report's figures: golden hashes, and the report's own pictures.
+mod figures;
+
+/// However it is rendered, a scene gives the same bits.
+mod invariance;

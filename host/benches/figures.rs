@@ -13,6 +13,7 @@ use std::process::{Command, ExitCode};
 use serde_json::Value;
 
 type Outcome = Result<(), Box<dyn Error>>;
+type Bench = fn() -> Outcome;
 
 /// The figures of the report.
 const FIGURES: [&str; 9] = ["fig2a", "fig2b", "fig2c", "fig2d", "fig4", "fig5a", "fig5b", "fig5c", "fig5d"];
@@ -22,7 +23,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_ocellus");
 
 fn main() -> ExitCode {
     let asked: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
-    let benches: [(&str, fn() -> Outcome); 3] = [("speed", speed), ("accel", accel), ("instructions", instructions)];
+    let benches: [(&str, Bench); 3] = [("speed", speed), ("accel", accel), ("instructions", instructions)];
     if let Some(unknown) = asked.iter().find(|name| !benches.iter().any(|(known, _)| known == name)) {
         eprintln!("no bench {unknown}; there are speed, accel and instructions");
         return ExitCode::from(2);

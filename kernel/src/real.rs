@@ -46,6 +46,8 @@ pub trait Real:
     const MAX: Self;
     /// The smallest finite value, `-MAX`.
     const LOWEST: Self;
+    /// Not a number.
+    const NAN: Self;
     /// The smallest positive value with a full significand.
     const MIN_POSITIVE: Self;
     /// Unit roundoff: half the distance from 1 to the next larger value.
@@ -246,6 +248,7 @@ impl Real for f32 {
     const ONE: Self = 1.0;
     const MAX: Self = f32::MAX;
     const LOWEST: Self = f32::MIN;
+    const NAN: Self = f32::NAN;
     const MIN_POSITIVE: Self = f32::MIN_POSITIVE;
     const UNIT_ROUNDOFF: Self = f32::EPSILON * 0.5;
 
@@ -350,6 +353,7 @@ impl Real for f64 {
     const ONE: Self = 1.0;
     const MAX: Self = f64::MAX;
     const LOWEST: Self = f64::MIN;
+    const NAN: Self = f64::NAN;
     const MIN_POSITIVE: Self = f64::MIN_POSITIVE;
     const UNIT_ROUNDOFF: Self = f64::EPSILON * 0.5;
 

@@ -3,6 +3,7 @@
 pub(crate) mod counting_allocator;
 pub(crate) mod exact;
 pub(crate) mod meshes;
+pub(crate) mod pictures;
 pub(crate) mod property;
 pub(crate) mod random;
 pub(crate) mod scene;

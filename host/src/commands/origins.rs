@@ -28,7 +28,7 @@ fn of_file(file: &Path, mut lines: Vec<usize>, whole: &str, width: usize) -> Str
     let with_ranges = |count: usize| {
         let (shown, left) = ranges.split_at(count);
         let left: usize = left.iter().map(|range| range.end() - range.start() + 1).sum();
-        let shown: Vec<_> = shown.iter().map(|range| in_words(range)).collect();
+        let shown: Vec<_> = shown.iter().map(in_words).collect();
         let more = if left > 0 { format!(" and {left} more") } else { String::new() };
         let separator = if shown.is_empty() { "" } else { separator };
         format!("{}{whole}{separator}{}{more}", file.display(), shown.join(","))

@@ -137,10 +137,13 @@ fn report(
     })
 }
 
-/// The report as the text that goes into picture files.
+/// The report as the text that goes into picture files: what does not depend on the machine, so that the same render
+/// gives the same file.
 fn provenance(report: &Value) -> Vec<(String, String)> {
     let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-    report.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), text(value))).collect()
+    let entries = report.as_object().into_iter().flatten();
+    let stays = |key: &str| !key.ends_with("_seconds") && key != "threads" && key != "isa";
+    entries.filter(|(key, _)| stays(key)).map(|(key, value)| (key.clone(), text(value))).collect()
 }
 
 /// The last lines, for people.

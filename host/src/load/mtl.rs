@@ -93,7 +93,8 @@ impl Materials {
             (_, Some(key)) => (self.dielectric(material, lines), made_so(key), lit(emission)),
             _ => {
                 let texture = self.texture(material, lines)?;
-                let detail_origin = if texture.is_some() { made_so("map_Kd") } else { lit(emission) };
+                let textured = texture.is_some() && emission == DVec3::ZERO;
+                let detail_origin = if textured { made_so("map_Kd") } else { lit(emission) };
                 (self.diffuse(material, lines, texture), newmtl.clone(), detail_origin)
             }
         };

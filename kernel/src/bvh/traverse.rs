@@ -3,7 +3,7 @@
 //! Both are generic over how primitives are found: all of them, or through a hierarchy. The answer is the same bits
 //! either way; see `Geometry::test_all`.
 
-use super::{Bvh, MAX_DEPTH, Node};
+use super::{Bvh, MAX_DEPTH};
 use crate::effects::EffectSet;
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::Real;
@@ -39,17 +39,17 @@ fn search<R: Real, E: EffectSet, const ANY: bool>(
     }
     let prepared = PreparedRay::new(ray);
     let mut best = Hit::none(ray.tmax);
-    match bvh {
+    match bvh.filter(|bvh| !is_small(geometry, bvh)) {
         None => geometry.test_all::<E, ANY>(&prepared, &mut best),
         Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &prepared, &mut best),
     }
     (best.primitive != NO_PRIMITIVE).then_some(best)
 }
 
-/// Whether the root is a leaf of few spheres: a look at its box costs about as much as they do.
+/// Whether all there is are a few spheres in one leaf: a look at its box would cost about as much as they do.
 #[inline(always)]
-fn is_small<R: Real>(geometry: &Geometry<'_, R>, root: &Node<R>) -> bool {
-    geometry.triangles().is_empty() && (1..=16).contains(&root.count)
+fn is_small<R: Real>(geometry: &Geometry<'_, R>, bvh: &Bvh<'_, R>) -> bool {
+    geometry.triangles().is_empty() && bvh.nodes.len() == 1 && geometry.len() <= 16
 }
 
 #[inline(always)]
@@ -60,15 +60,8 @@ fn descend<R: Real, E: EffectSet, const ANY: bool>(
     best: &mut Hit<R>,
 ) {
     let Some(mut node) = bvh.nodes.first() else { return };
-    // A root that is a leaf holds all primitives in their own order.
-    if is_small(geometry, node) {
-        return geometry.test_all::<E, ANY>(ray, best);
-    }
     if node.bounds.entry(ray, best.t).is_none() {
         return;
-    }
-    if node.count > 0 {
-        return geometry.test_all::<E, ANY>(ray, best);
     }
     // Nodes that wait, with where the ray enters them. One waits per level, so the stack cannot overflow.
     let mut waiting = [(0u32, R::ZERO); MAX_DEPTH];

@@ -51,7 +51,7 @@ impl<R: Real> PreparedRay<R> {
         let wide_inverse_square = R::Wide::ONE / wide_square;
         let square = R::narrow(wide_square);
         let usual = square > R::from_f64(SQUARE_RANGE[0]) && square < R::from_f64(SQUARE_RANGE[1]);
-        let nan = R::ZERO / R::ZERO;
+        let nan = R::NAN;
         let inverse = direction.map(|d| R::ONE / d);
         Self {
             origin: ray.origin.to_array(),

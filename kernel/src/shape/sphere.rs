@@ -2,7 +2,7 @@
 
 use super::PreparedRay;
 use crate::bvh::Bounds;
-use crate::real::{Real, Vec3, Vector, narrow, widen};
+use crate::real::{Real, Vec3, Vector, WideVec3, narrow, widen};
 use crate::robust::{gamma, normalize_wide};
 
 /// A sphere.
@@ -99,13 +99,15 @@ impl<R: Real> Sphere<R> {
     /// The point of the sphere in the direction of `from_center` (wide, any length).
     ///
     /// The point is put on the sphere again, so that its error does not depend on how far the ray came
-    /// (PBR 4ed, section 6.8.5).
+    /// (PBR 4ed, section 6.8.5): five roundings in the wide precision, and that of the point itself.
     #[inline]
-    pub(crate) fn point_toward(&self, from_center: crate::real::WideVec3<R>) -> SpherePoint<R> {
-        let outward = narrow::<R>(normalize_wide::<R>(from_center));
-        let offset = outward * self.radius;
-        let p = self.center + offset;
-        SpherePoint { p, p_error: (self.center.abs() + offset.abs()) * gamma::<R>(5), outward }
+    pub(crate) fn point_toward(&self, from_center: WideVec3<R>) -> SpherePoint<R> {
+        let outward = normalize_wide::<R>(from_center);
+        let offset = outward * self.radius.widen();
+        let p = narrow::<R>(widen::<R>(self.center) + offset);
+        let wide_error = R::narrow(gamma::<R::Wide>(5));
+        let p_error = (self.center.abs() + narrow::<R>(offset).abs()) * wide_error + p.abs() * gamma::<R>(1);
+        SpherePoint { p, p_error, outward: narrow::<R>(outward) }
     }
 
     /// The point where `ray` is at `t`.
