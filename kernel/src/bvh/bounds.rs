@@ -1,6 +1,7 @@
 //! Axis-aligned boxes and the one slab test that everything uses.
 
 use crate::real::{Real, Vec3, Vector, greater, lesser};
+use crate::robust::{slab_far_padding, slab_near_padding};
 use crate::shape::PreparedRay;
 
 /// An axis-aligned box: `[lower corner, upper corner]`, scene units. Empty where lower > upper.
@@ -49,14 +50,44 @@ impl<R: Real> Bounds<R> {
     /// holds another is entered no later, since each product rounds monotonely.
     #[inline]
     pub fn entry(&self, ray: &PreparedRay<R>, tmax: R) -> Option<R> {
+        self.entry_between(&ray.slabs, ray.tmin, tmax)
+    }
+
+    /// [`Bounds::entry`] of a ray of which only this is known.
+    #[inline]
+    pub(crate) fn entry_between(&self, ray: &Slabs<R>, tmin: R, tmax: R) -> Option<R> {
         let side = |far_side: bool, axis: usize| {
             let corner = &self.corners[usize::from(ray.negative[axis] != far_side)];
             (corner[axis] - ray.origin[axis]) * ray.inverse[usize::from(far_side)][axis]
         };
         // The far side is searched for its negated maximum, so that both are the same operation.
-        let near = (0..3).fold(ray.tmin, |near, axis| greater(near, side(false, axis)));
+        let near = (0..3).fold(tmin, |near, axis| greater(near, side(false, axis)));
         let minus_far = (0..3).fold(-tmax, |minus_far, axis| greater(minus_far, side(true, axis)));
         if near <= -minus_far { Some(near) } else { None }
+    }
+}
+
+/// A ray in the form that the slab test wants.
+#[derive(Clone, Copy, Debug)]
+pub struct Slabs<R: Real> {
+    /// Origin, scene units.
+    origin: [R; 3],
+    /// One over each component of the direction, padded for the near side of a slab, and minus that padded for the
+    /// far side; infinite where the component is zero.
+    inverse: [[R; 3]; 2],
+    /// Whether the direction's sign bit is set: then a slab is entered through its upper side.
+    negative: [bool; 3],
+}
+
+impl<R: Real> Slabs<R> {
+    /// From an origin and one over each component of a direction.
+    #[inline]
+    pub(crate) fn new(origin: [R; 3], inverse: [R; 3]) -> Self {
+        Self {
+            origin,
+            inverse: [slab_near_padding::<R>(), -slab_far_padding::<R>()].map(|pad| inverse.map(|d| d * pad)),
+            negative: inverse.map(|d| d.is_sign_negative()),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ mod build;
 mod node;
 mod traverse;
 
-pub use bounds::Bounds;
+pub use bounds::{Bounds, Slabs};
 pub use build::{BuildItem, Structure, build};
 pub use node::Node;
 pub use traverse::{intersect, occluded};

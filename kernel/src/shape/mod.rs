@@ -4,12 +4,11 @@ pub mod sphere;
 pub mod sphere_quad;
 pub mod triangle;
 
-use crate::bvh::Bounds;
+use crate::bvh::{Bounds, Slabs};
 use crate::effects::{EffectSet, Effects};
 use crate::error::GeometryError;
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, widen};
-use crate::robust::{slab_far_padding, slab_near_padding};
 
 pub use sphere::Sphere;
 pub use triangle::{Shear, TriangleAttributes};
@@ -21,13 +20,10 @@ const SQUARE_RANGE: [f64; 2] = [1.0 / ((1u128 << 80) as f64), (1u128 << 80) as f
 /// A ray with all that is computed once per query.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay<R: Real> {
+    /// What boxes need.
+    pub(crate) slabs: Slabs<R>,
     /// Origin, scene units.
     pub origin: [R; 3],
-    /// One over each component of the direction, padded for the near side of a slab, and minus that padded for the
-    /// far side; infinite where the component is zero.
-    pub inverse: [[R; 3]; 2],
-    /// Whether the direction's sign bit is set: then a slab is entered through its upper side.
-    pub negative: [bool; 3],
     /// Exclusive lower end of t.
     pub tmin: R,
     direction: [R; 3],
@@ -51,27 +47,19 @@ impl<R: Real> PreparedRay<R> {
         let wide_inverse_square = R::Wide::ONE / wide_square;
         let square = R::narrow(wide_square);
         let usual = square > R::from_f64(SQUARE_RANGE[0]) && square < R::from_f64(SQUARE_RANGE[1]);
-        let nan = R::NAN;
         let inverse = direction.map(|d| R::ONE / d);
         Self {
+            slabs: Slabs::new(ray.origin.to_array(), inverse),
             origin: ray.origin.to_array(),
-            inverse: [slab_near_padding::<R>(), -slab_far_padding::<R>()].map(|pad| inverse.map(|d| d * pad)),
-            negative: direction.map(|d| d.is_sign_negative()),
             tmin: ray.tmin,
             direction,
-            square: if usual { square } else { nan },
-            inverse_square: if usual { R::narrow(wide_inverse_square) } else { nan },
+            square: if usual { square } else { R::NAN },
+            inverse_square: if usual { R::narrow(wide_inverse_square) } else { R::NAN },
             wide_origin: widen::<R>(ray.origin),
             wide_direction,
             wide_inverse_square,
             shear: Shear::new(ray, inverse),
         }
-    }
-
-    /// The ray it was made of, but for its end.
-    #[inline]
-    fn ray(&self) -> Ray<R> {
-        Ray { tmin: self.tmin, ..Ray::new(Vector::from_array(self.origin), Vector::from_array(self.direction)) }
     }
 }
 
@@ -200,7 +188,7 @@ impl<'a, R: Real> Geometry<'a, R> {
     }
 
     /// Tests the spheres that `items` name: all in fours, then what is left one by one. `NARROWED` says whether the
-    /// end of the ray is worth a look: not before anything was hit.
+    /// end of the ray is worth a look: not in the search for the closest before anything was hit.
     #[inline(always)]
     fn test_spheres<'s, I, const ANY: bool, const NARROWED: bool>(
         &'s self,
@@ -212,6 +200,7 @@ impl<'a, R: Real> Geometry<'a, R> {
     ) {
         // One bit for each sphere of a group.
         for (group, first) in items.chunks(32).zip((0..).step_by(32)) {
+            let end = if NARROWED { Some(best.t) } else { None };
             let mut candidates = 0;
             for start in (0..group.len()).step_by(4) {
                 // The last four may overlap those before them: then some bits are found twice.
@@ -222,7 +211,7 @@ impl<'a, R: Real> Geometry<'a, R> {
                     [a, rest @ ..] => [a, rest.first().unwrap_or(a), rest.get(1).unwrap_or(a), a],
                     [] => break,
                 };
-                candidates |= sphere_quad::candidates::<R, NARROWED>(ray, four.map(&sphere), best.t) << start;
+                candidates |= sphere_quad::candidates(ray, four.map(&sphere), end) << start;
             }
             candidates &= u32::MAX >> (32 - group.len());
             while candidates != 0 {
@@ -234,8 +223,11 @@ impl<'a, R: Real> Geometry<'a, R> {
                     let found = Hit { t, u: R::ZERO, v: R::ZERO, primitive: primitive(first + at, item) };
                     if sphere.has_in_box(ray, t) {
                         best.keep_closer(found);
+                    } else if const { R::WIDE_IS_SELF } {
+                        accept(sphere.bounds().entry(ray, best.t), found, best);
                     } else {
-                        *best = accept_rare(sphere.bounds(), ray.ray(), found, *best);
+                        let near = entry_apart(sphere.bounds(), ray.origin, ray.direction, ray.tmin, best.t);
+                        accept(near, found, best);
                     }
                     if ANY && best.primitive != NO_PRIMITIVE {
                         return;
@@ -251,24 +243,23 @@ impl<'a, R: Real> Geometry<'a, R> {
         let Some(at) = (index as usize).checked_sub(self.spheres.len()) else { return };
         let corners = self.corners(at);
         if let Some((t, u, v)) = triangle::intersect(&corners, ray, best.t) {
-            accept(triangle::bounds(&corners), ray, Hit { t, u, v, primitive: index }, best);
+            accept(triangle::bounds(&corners).entry(ray, best.t), Hit { t, u, v, primitive: index }, best);
         }
     }
 }
 
-/// Makes a hit the best, if the ray meets the primitive's own box and it wins.
+/// Makes a hit the best, if the ray enters the primitive's own box, at `near`, and the hit wins.
 #[inline(always)]
-fn accept<R: Real>(own: Bounds<R>, ray: &PreparedRay<R>, found: Hit<R>, best: &mut Hit<R>) {
-    if let Some(near) = own.entry(ray, best.t) {
+fn accept<R: Real>(near: Option<R>, found: Hit<R>, best: &mut Hit<R>) {
+    if let Some(near) = near {
         best.keep_closer(Hit { t: greater(found.t, near), ..found });
     }
 }
 
-/// [`accept`] where it is rarely needed: by value and apart, so that a search that never needs it does not prepare
-/// the ray for boxes.
+/// [`Bounds::entry`] where it is rarely needed: apart, so that a search that never needs it does not prepare the ray
+/// for boxes.
 #[cold]
 #[inline(never)]
-fn accept_rare<R: Real>(own: Bounds<R>, ray: Ray<R>, found: Hit<R>, mut best: Hit<R>) -> Hit<R> {
-    accept(own, &PreparedRay::new(&ray), found, &mut best);
-    best
+fn entry_apart<R: Real>(own: Bounds<R>, origin: [R; 3], direction: [R; 3], tmin: R, tmax: R) -> Option<R> {
+    own.entry_between(&Slabs::new(origin, direction.map(|d| R::ONE / d)), tmin, tmax)
 }

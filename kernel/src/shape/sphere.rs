@@ -30,7 +30,7 @@ impl<R: Real> Sphere<R> {
     /// Its box, wider than computed by what the roundings of its corners can take away.
     #[inline]
     pub fn bounds(&self) -> Bounds<R> {
-        let pad = gamma::<R>(3);
+        let pad = gamma::<R>(4);
         let center = self.center.to_array();
         let half = center.map(|c| self.radius + (c.abs() + self.radius) * pad);
         Bounds {
@@ -66,7 +66,13 @@ impl<R: Real> Sphere<R> {
         let (d, inverse_square) = (ray.wide_direction, ray.wide_inverse_square);
         let to_center = widen::<R>(self.center) - ray.wide_origin;
         let radius = self.radius.widen();
-        let mut t_foot = to_center.dot(d) * inverse_square;
+        let radius_square = radius * radius;
+        let along = to_center.dot(d);
+        // Behind an origin outside of the sphere: most often the sphere that the ray comes from.
+        if along < R::Wide::ZERO && to_center.dot(to_center) > radius_square {
+            return None;
+        }
+        let mut t_foot = along * inverse_square;
         let mut foot = to_center - d * t_foot;
         if const { R::WIDE_IS_SELF } {
             let correction = foot.dot(d) * inverse_square;
@@ -74,9 +80,7 @@ impl<R: Real> Sphere<R> {
             foot = foot - d * correction;
         }
         let foot_square = foot.dot(foot);
-        let radius_square = radius * radius;
-        // Beside the line, or behind an origin outside of the sphere.
-        if !(foot_square <= radius_square) || (t_foot < R::Wide::ZERO && to_center.dot(to_center) > radius_square) {
+        if !(foot_square <= radius_square) {
             return None;
         }
         let (near, far) = if const { R::WIDE_IS_SELF } {
