@@ -49,7 +49,7 @@ const SIZE: u32 = 256;
 const FEWEST: usize = 64;
 
 /// Fewest blocks of a figure that have to be fit for comparison, lest nothing is compared in silence.
-const FEWEST_BLOCKS: u32 = 12;
+const FEWEST_BLOCKS: u32 = 10;
 
 /// Largest relative deviation of the linear mean of a wall in a block.
 const DEVIATION: f64 = 0.02;

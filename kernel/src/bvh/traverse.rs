@@ -37,7 +37,7 @@ fn search<R: Real, E: EffectSet, const ANY: bool>(
     if !ray.is_valid() {
         return None;
     }
-    let prepared = PreparedRay::new(ray);
+    let prepared = PreparedRay::new_in::<E>(ray);
     let mut best = Hit::none(ray.tmax);
     match bvh.filter(|bvh| !is_small(geometry, bvh)) {
         None => geometry.test_all::<E, ANY>(&prepared, &mut best),

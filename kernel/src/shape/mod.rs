@@ -5,7 +5,7 @@ pub mod sphere_quad;
 pub mod triangle;
 
 use crate::bvh::{Bounds, Slabs};
-use crate::effects::{EffectSet, Effects};
+use crate::effects::{EffectSet, Effects, Everything};
 use crate::error::GeometryError;
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, widen};
@@ -41,6 +41,12 @@ impl<R: Real> PreparedRay<R> {
     /// Computes what the tests share.
     #[inline]
     pub fn new(ray: &Ray<R>) -> Self {
+        Self::new_in::<Everything>(ray)
+    }
+
+    /// [`PreparedRay::new`] for a kernel of fewer effects.
+    #[inline]
+    pub(crate) fn new_in<E: EffectSet>(ray: &Ray<R>) -> Self {
         let direction = ray.direction.to_array();
         let wide_direction = widen::<R>(ray.direction);
         let wide_square = wide_direction.dot(wide_direction);
@@ -58,7 +64,11 @@ impl<R: Real> PreparedRay<R> {
             wide_origin: widen::<R>(ray.origin),
             wide_direction,
             wide_inverse_square,
-            shear: Shear::new(ray, inverse),
+            shear: if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
+                Shear::new(ray, inverse)
+            } else {
+                Shear::NONE
+            },
         }
     }
 }

@@ -41,6 +41,9 @@ fn permute<R: Real>(v: Vec3<R>, longest: u8) -> [R; 3] {
 }
 
 impl<R: Real> Shear<R> {
+    /// Stands where no triangle will be tested.
+    pub(super) const NONE: Self = Self { longest: 0, x: R::ZERO, y: R::ZERO, z: R::ZERO };
+
     /// The shear of a ray's direction, of which `inverse` holds one over each component.
     #[inline]
     pub(super) fn new(ray: &Ray<R>, inverse: [R; 3]) -> Self {
