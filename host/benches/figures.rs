@@ -65,13 +65,13 @@ fn number(report: &Value, key: &str) -> f64 {
 
 /// Paths per second of each figure at 256 x 256, and figure 5c against its floor.
 fn speed() -> Outcome {
-    println!("speed: 256 x 256 pixels, f32, all threads; the median of three runs");
+    println!("speed: 256 x 256 pixels, 7 bounces, f32, all threads; the median of three runs");
     println!("{:<8} {:>20} {:>6} {:>14} {:>14}", "figure", "kernel", "spp", "M paths/s", "M rays/s");
     for name in FIGURES {
         let spp = if name == "fig5c" { "64" } else { "16" };
         let mut reports = Vec::new();
         for _ in 0..3 {
-            reports.push(render(&figure(name), &["--size", "256x256", "--spp", spp])?);
+            reports.push(render(&figure(name), &["--size", "256x256", "--spp", spp, "--max-bounces", "7"])?);
         }
         if reports.iter().any(|report| report["image_hash"] != reports[0]["image_hash"]) {
             return Err(format!("{name}: runs differ").into());
