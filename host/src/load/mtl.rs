@@ -342,7 +342,7 @@ mod tests {
         assert_eq!(described.textures.len(), 1);
         assert_eq!(described.textures[0].texels, [[1.0, 0.0, 0.0]]);
         assert_eq!(described.textures[0].origin.line, 2);
-        for (material, (albedo, detail)) in described.materials.iter().zip([(1.0, 2), (1.0, 5), (0.5, 9)]) {
+        for (material, (albedo, detail)) in described.materials.iter().zip([(1.0, 2), (1.0, 5), (0.5, 8)]) {
             let albedo = DVec3::splat(albedo);
             assert_eq!(material.scattering, ScatteringDescription::Diffuse { albedo, texture: Some(0) });
             assert_eq!(material.detail_origin.line, detail);
