@@ -96,7 +96,7 @@ fn the_report_s_figure_is_explained_line_by_line() {
     for line in [
         "scene    fixtures/report/fig5c.toml",
         "         10 spheres, 1 light, 8 materials",
-        "picture  512 x 512 pixels, 128 samples each, up to 7 bounces",
+        "picture  512 x 512 pixels, 128 samples each, up to 9 bounces",
         "  spheres         fixtures/report/fig5c.toml:6-15,44",
         "  mirror          fixtures/report/fig5c.toml:41",
         "  glass           fixtures/report/fig5c.toml:42",
