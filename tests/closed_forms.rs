@@ -46,7 +46,7 @@ const INSIDE: CameraSettings = CameraSettings { position: [0.2, -0.1, 0.3], look
 #[track_caller]
 fn assert_each_path<R: Real>(view: &View<'_, R>, samples: u32, expected: f64, roundings: f64) {
     let bound = roundings * u::<R>() * expected;
-    each_path::<R, Everything>(view, samples, |radiance| {
+    each_path::<R, Everything>(view, samples, &mut |radiance| {
         let error = radiance.map(|c| (c - expected).abs()).into_iter().fold(0.0, f64::max);
         assert!(error <= bound, "{radiance:?} is not {expected}: {} u", error / (u::<R>() * expected));
     });
@@ -128,7 +128,7 @@ const AT_ORIGIN: CameraSettings =
 fn mean<R: Real>(scene: &OwnedScene<R>, options: &PathOptions, samples: u32) -> Moments {
     with_view(scene, &AT_ORIGIN, options, |view| {
         let mut moments = Moments::default();
-        each_path::<R, Everything>(view, samples, |radiance| moments.add(radiance[0]));
+        each_path::<R, Everything>(view, samples, &mut |radiance| moments.add(radiance[0]));
         moments
     })
 }
@@ -247,7 +247,7 @@ fn walls_stop_light_and_open_air_does_not<R: Real>() {
             ..CAMERA
         };
         with_view(&scene, &settings, &options(1), |view| {
-            each_path::<R, Everything>(view, 1, |radiance| {
+            each_path::<R, Everything>(view, 1, &mut |radiance| {
                 assert_eq!(radiance[0] > 0.0, lit, "walls at {heights:?}, light at {light}: {radiance:?}");
             });
         });
@@ -263,7 +263,7 @@ fn roulette_keeps_the_mean<R: Real>() {
         let on = PathOptions { roulette_after: Some(after), ..options(bounces) };
         let mut moments = Moments::default();
         with_view(&scene, &INSIDE, &on, |view| {
-            each_path::<R, Everything>(view, 2000, |radiance| moments.add(radiance[0]));
+            each_path::<R, Everything>(view, 2000, &mut |radiance| moments.add(radiance[0]));
         });
         let expected = EMISSION * series(0.4, bounces);
         moments.assert_mean("closed sphere", expected, tolerance::PER_BOUNCE * u::<R>() * f64::from(bounces));
@@ -279,7 +279,7 @@ fn roulette_keeps_the_mean<R: Real>() {
     let measure = |roulette_after| {
         let mut moments = Moments::default();
         with_view(&hall, &INSIDE, &PathOptions { roulette_after, ..options(8) }, |view| {
-            each_path::<R, Everything>(view, 400, |radiance| moments.add(radiance[1]));
+            each_path::<R, Everything>(view, 400, &mut |radiance| moments.add(radiance[1]));
         });
         moments
     };
@@ -293,7 +293,7 @@ fn bounces_are_counted_as_documented<R: Real>() {
     let paths = |scene: &OwnedScene<R>, bounces| {
         let mut values = Vec::new();
         with_view(scene, &AT_ORIGIN, &options(bounces), |view| {
-            each_path::<R, Everything>(view, 64, |radiance| values.push(radiance[0]));
+            each_path::<R, Everything>(view, 64, &mut |radiance| values.push(radiance[0]));
         });
         values
     };

@@ -12,11 +12,10 @@ use ocellus_kernel::{EffectSet, Effects, Everything, View};
 
 use crate::support::in_both_precisions;
 use crate::support::meshes::{cube, floor, icosphere};
-use crate::support::scene::{CAMERA, OwnedScene, each_path, picture, v, with_view};
+use crate::support::scene::{CAMERA, OwnedScene, each_path, v, with_view};
 
 in_both_precisions!(
     each_effect_is_found_and_its_kernel_equals_everything,
-    an_effect_that_is_left_out_is_missed,
     what_all_effects_together_need_is_found,
     supersets_change_no_bit,
     a_foreign_generator_with_the_same_numbers_gives_the_same_bits,
@@ -207,7 +206,7 @@ fn for_each_case<R: Real>(mut visitor: impl Visit<R>) {
 /// The radiance of every path, as bits.
 fn paths<R: Real, E: EffectSet>(view: &View<'_, R>) -> Vec<[u64; 3]> {
     let mut paths = Vec::new();
-    each_path::<R, E>(view, 8, |radiance| paths.push(radiance.map(f64::to_bits)));
+    each_path::<R, E>(view, 8, &mut |radiance| paths.push(radiance.map(f64::to_bits)));
     paths
 }
 
@@ -221,10 +220,10 @@ impl<R: Real> Visit<R> for &mut EqualsEverything {
         with_view(&case.scene, &case.settings, &case.options, |view| {
             let required = view.required_effects();
             assert_eq!(required, E::EFFECTS, "{name}: needs {:?}", required.names().collect::<Vec<_>>());
-            assert!(paths::<R, E>(view) == paths::<R, Everything>(view), "{name}: paths differ");
-            let [special, everything] = [picture::<R, E>(view, 0..8), picture::<R, Everything>(view, 0..8)];
-            assert!(special == everything, "{name}: pixels differ");
-            assert!(everything.iter().any(|pixel| pixel.mean()[0] > 0.0), "{name}: nothing to see");
+            let everything = paths::<R, Everything>(view);
+            assert!(paths::<R, E>(view) == everything, "{name}: paths differ");
+            let black = [0.0; 3].map(f64::to_bits);
+            assert!(everything.iter().any(|radiance| *radiance != black), "{name}: nothing to see");
         });
         self.seen = self.seen.union(effect);
     }
@@ -281,8 +280,10 @@ impl EffectSet for WithoutEmission {
     const EFFECTS: Effects = Effects::EVERYTHING.without(Effects::EMISSION.union(Effects::SPHERE_LIGHT));
 }
 
-fn an_effect_that_is_left_out_is_missed<R: Real>() {
-    for_each_case::<R>(IsMissed);
+/// In one precision: which code a bit guards is the same in both, and these are many large kernels.
+#[test]
+fn an_effect_that_is_left_out_is_missed() {
+    for_each_case::<f32>(IsMissed);
 }
 
 fn what_all_effects_together_need_is_found<R: Real>() {

@@ -97,7 +97,7 @@ fn every_path_in_a_furnace_weighs_one<R: Real>() {
     {
         let (mut paths, mut trapped) = (0, 0);
         with_view(scene, &NEAR, &PathOptions { fresnel, ..LONG }, |view| {
-            each_path::<R, Everything>(view, 16, |radiance| {
+            each_path::<R, Everything>(view, 16, &mut |radiance| {
                 paths += 1;
                 if radiance == [0.0; 3] {
                     trapped += 1;
@@ -119,7 +119,7 @@ fn glass_is_entered_as_often_as_it_is_left<R: Real>() {
     for (name, scene) in bodies::<R>(OUTER, INNER) {
         let (mut through, mut inner_through) = (0, 0);
         with_view(&scene, &NEAR, &LONG, |view| {
-            each_path::<R, Everything>(view, 64, |[outer, inner, rest]| {
+            each_path::<R, Everything>(view, 64, &mut |[outer, inner, rest]| {
                 if rest == 0.0 {
                     return;
                 }
@@ -139,7 +139,7 @@ fn the_centre_of_a_glass_ball_sees_the_furnace<R: Real>() {
     let scene = &bodies::<R>(CLEAR, CLEAR)[0].1;
     let settings = CameraSettings { position: [0.0; 3], look_at: [0.3, -0.2, 1.0], field_of_view: 2.0, ..CAMERA };
     with_view(scene, &settings, &LONG, |view| {
-        each_path::<R, Everything>(view, 16, |radiance| assert_eq!(radiance, [1.0; 3]));
+        each_path::<R, Everything>(view, 16, &mut |radiance| assert_eq!(radiance, [1.0; 3]));
     });
 }
 
@@ -182,7 +182,7 @@ fn glass_reflects_what_fresnel_says<R: Real>() {
             let expected = if total { 1.0 } else { expected };
             let mut moments = Moments::default();
             with_view(&scene, &settings, &PathOptions { fresnel, ..LONG }, |view| {
-                each_path::<R, Everything>(view, 200_000, |radiance| moments.add(radiance[0]));
+                each_path::<R, Everything>(view, 200_000, &mut |radiance| moments.add(radiance[0]));
             });
             moments.assert_mean(
                 &format!("{degrees} degrees, side {side}, {fresnel:?}"),
@@ -248,7 +248,7 @@ fn power_of_two_scales_change_no_bit<R: Real>() {
         };
         let mut paths = Vec::new();
         with_view(&scene, &settings, &PathOptions { max_bounces: 8, ..LONG }, |view| {
-            each_path::<R, Everything>(view, 8, |radiance| paths.push(radiance));
+            each_path::<R, Everything>(view, 8, &mut |radiance| paths.push(radiance));
         });
         paths
     };

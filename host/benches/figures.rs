@@ -3,8 +3,10 @@
 //! `cargo bench -p ocellus --bench figures -- speed`         paths per second, figure 5c at its bounds
 //! `cargo bench -p ocellus --bench figures -- accel`         figure 4's mesh: none, box and BVH in one run
 //! `cargo bench -p ocellus --bench figures -- instructions`  specialised kernels against the one that does everything
+//! `cargo bench -p ocellus --bench figures -- hashes`        the golden hashes of `cargo test`, with this build
 //!
-//! Without an argument all of them run. `instructions` needs valgrind.
+//! Without an argument all of them run. `instructions` needs valgrind. With `--profile unoptimised` the program is
+//! built without optimisation.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -23,9 +25,10 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_ocellus");
 
 fn main() -> ExitCode {
     let asked: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
-    let benches: [(&str, Bench); 3] = [("speed", speed), ("accel", accel), ("instructions", instructions)];
+    let benches: [(&str, Bench); 4] =
+        [("speed", speed), ("accel", accel), ("instructions", instructions), ("hashes", hashes)];
     if let Some(unknown) = asked.iter().find(|name| !benches.iter().any(|(known, _)| known == name)) {
-        eprintln!("no bench {unknown}; there are speed, accel and instructions");
+        eprintln!("no bench {unknown}; there are speed, accel, instructions and hashes");
         return ExitCode::from(2);
     }
     for (name, bench) in benches {
@@ -124,6 +127,24 @@ fn accel() -> Outcome {
     }
     println!("none : box : bvh = {:.0} : {:.0} : 1", seconds[0] / seconds[2], seconds[1] / seconds[2]);
     Ok(())
+}
+
+/// The golden hashes that `cargo test` keeps, rendered by the program of this profile.
+fn hashes() -> Outcome {
+    let golden = std::fs::read_to_string(fixtures().join("../tests/golden/figures.txt"))?;
+    let mut equal = 0;
+    for line in golden.lines().filter(|line| !line.starts_with('#')) {
+        let [name, precision, hash] = line.split(' ').collect::<Vec<_>>()[..] else {
+            return Err(format!("not a figure, a precision and a hash: {line}").into());
+        };
+        let report = render(&figure(name), &["--size", "48x48", "--samples", "0..4", "--precision", precision])?;
+        if report["image_hash"] != hash {
+            return Err(format!("{name} in {precision}: {} here, {hash} in cargo test", report["image_hash"]).into());
+        }
+        equal += 1;
+    }
+    println!("hashes: {equal} pictures hold the same bits as in cargo test");
+    if equal == 0 { Err("no hash to compare with".into()) } else { Ok(()) }
 }
 
 /// Instructions of each figure in its own kernel and in the one that does everything; set-up is the same in both.

@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use ocellus_kernel::{EffectSet, Effects, Pixel, Real, View, Work};
+use ocellus_kernel::{EffectSet, Effects, Everything, Pixel, Real, View, Work};
 
 use crate::error::Error;
 
@@ -63,6 +63,10 @@ fn render<R: Real, E: EffectSet>(
     view.render::<E>(x, y, samples, pixels)
 }
 
+const fn row<E: EffectSet>(name: &'static str) -> Row {
+    Row { name, effects: E::EFFECTS, f32: render::<f32, E>, f64: render::<f64, E> }
+}
+
 macro_rules! table {
     ($($set:ident $name:literal $doc:literal = $($effect:ident)|+;)*) => {
         $(
@@ -76,12 +80,7 @@ macro_rules! table {
         )*
 
         /// All kernels, the largest last.
-        pub const TABLE: &[Row] = &[$(Row {
-            name: $name,
-            effects: $set::EFFECTS,
-            f32: render::<f32, $set>,
-            f64: render::<f64, $set>,
-        }),*];
+        pub const TABLE: &[Row] = &[$(row::<$set>($name),)* row::<Everything>("everything")];
     };
 }
 
@@ -96,13 +95,10 @@ table! {
         SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER;
     LensSpheres "lens-spheres" "Diffuse, mirror and glass spheres, spherical lights, through a lens." =
         SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | LENS;
-    MatteMesh "matte-mesh" "Diffuse triangles and spheres, spherical lights." =
+    SphereLitMatte "sphere-lit-matte" "Diffuse triangles and spheres, spherical lights." =
         SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER;
-    TexturedMesh "textured-mesh" "Textured and smooth diffuse triangles and spheres, point lights." =
+    PointLitTextured "point-lit-textured" "Textured and smooth diffuse triangles and spheres, point lights." =
         SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | POINT_LIGHT | INDIRECT | FILTER;
-    Everything "everything" "All effects." =
-        SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | MIRROR | GLASS | POINT_LIGHT | SPHERE_LIGHT | EMISSION
-        | BACKGROUND | INDIRECT | ROULETTE | LENS | FILTER;
 }
 
 /// The row with the fewest effects that has all of `required`.

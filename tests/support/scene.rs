@@ -158,8 +158,8 @@ pub(crate) fn picture<R: Real, E: EffectSet>(view: &View<'_, R>, samples: std::o
     pixels
 }
 
-/// The radiance of every path of a picture, first channel.
-pub(crate) fn each_path<R: Real, E: EffectSet>(view: &View<'_, R>, samples: u32, mut see: impl FnMut([f64; 3])) {
+/// Shows the radiance of every path of a picture. One function for all that look, since each copy is a whole kernel.
+pub(crate) fn each_path<R: Real, E: EffectSet>(view: &View<'_, R>, samples: u32, see: &mut dyn FnMut([f64; 3])) {
     let [width, height] = view.camera.size();
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         for sample in 0..samples {
