@@ -284,6 +284,9 @@ fn storage_that_is_too_small_is_named<R: Real>() {
     let mut storage = BvhStorage::<R, 23, 11>::EMPTY;
     let found = storage.build(&geometry, Structure::Bvh, &mut [BuildItem::EMPTY; 12]).map(|_| ());
     assert_eq!(found, error(Capacity::Order, 12, 11));
+    // Spheres and triangles have a box each, and one around both.
+    owned.sphere([0.0; 3], 1.0, grey);
+    assert_eq!(Structure::Box.required_nodes(&owned.geometry()), 3);
 }
 
 fn required_nodes_are_enough<R: Real>() {

@@ -26,7 +26,7 @@ use crate::error::Error;
 pub enum Accel {
     /// Every primitive is tested.
     None,
-    /// One box around all primitives, then every primitive.
+    /// One box around all triangles and one around all spheres, then every primitive in them.
     Box,
     /// A bounding volume hierarchy.
     #[default]
@@ -96,8 +96,7 @@ pub fn with_view<R: Real, T>(
         Accel::Box => Some(Structure::Box),
         Accel::Bvh => Some(Structure::Bvh),
     };
-    let node_count = if accel == Accel::Bvh { bvh::required_nodes(geometry.len()) } else { 1 };
-    let mut nodes = vec![Node::EMPTY; node_count];
+    let mut nodes = vec![Node::EMPTY; structure.map_or(0, |structure| structure.required_nodes(&geometry))];
     let mut order = vec![0; geometry.len()];
     let bvh = match structure {
         None => None,

@@ -1,6 +1,7 @@
 //! The table of kernels: every instantiation there is, and the choice of the smallest that covers a view.
 //!
-//! A row exists only where it was measured to pay; `host/benches/README.md` has the figures.
+//! A row exists only where it was measured to pay: `cargo bench -p ocellus --bench figures -- instructions` prints by
+//! how much.
 
 use std::ops::Range;
 

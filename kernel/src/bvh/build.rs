@@ -8,11 +8,22 @@ use crate::shape::Geometry;
 /// Which structure to build over the primitives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Structure {
-    /// One box around everything: a single leaf.
+    /// One box around all triangles, and one around all spheres.
     Box,
     /// A hierarchy.
     #[default]
     Bvh,
+}
+
+impl Structure {
+    /// Number of nodes that are enough for it over `geometry`.
+    pub fn required_nodes<R: Real>(self, geometry: &Geometry<'_, R>) -> usize {
+        match self {
+            Self::Box if geometry.spheres().is_empty() || geometry.triangles().is_empty() => geometry.len().min(1),
+            Self::Box => 3,
+            Self::Bvh => required_nodes(geometry.len()),
+        }
+    }
 }
 
 /// Scratch of the builder: one per primitive.
@@ -48,7 +59,7 @@ const HALVE_FROM_DEPTH: usize = MAX_DEPTH - 33;
 /// corners; the depth stays within [`MAX_DEPTH`].
 ///
 /// # Errors
-/// [`CapacityError`] where a slice is shorter than [`required_nodes`] or than the number of primitives.
+/// [`CapacityError`] where a slice is shorter than [`Structure::required_nodes`] or than the number of primitives.
 pub fn build<'a, R: Real>(
     geometry: &Geometry<'_, R>,
     structure: Structure,
@@ -57,10 +68,7 @@ pub fn build<'a, R: Real>(
     scratch: &mut [BuildItem<R>],
 ) -> Result<Bvh<'a, R>, CapacityError> {
     let primitives = geometry.len();
-    let node_count = match structure {
-        Structure::Box => primitives.min(1),
-        Structure::Bvh => required_nodes(primitives),
-    };
+    let node_count = structure.required_nodes(geometry);
     let room = |what, needed, capacity| {
         if needed <= capacity { Ok(()) } else { Err(CapacityError { what, needed, capacity }) }
     };
@@ -77,8 +85,19 @@ pub fn build<'a, R: Real>(
     }
     let used = match structure {
         Structure::Box => {
-            nodes[0] = Node { bounds: union(items), first: 0, count: primitives as u32 };
-            1
+            let spheres = geometry.spheres().len();
+            let leaf = |first: usize, end: usize| Node {
+                bounds: union(&items[first..end]),
+                first: first as u32,
+                count: (end - first) as u32,
+            };
+            nodes[0] = leaf(0, primitives);
+            if node_count == 3 {
+                nodes[0] = Node { first: 1, count: 0, ..nodes[0] };
+                nodes[1] = leaf(0, spheres);
+                nodes[2] = leaf(spheres, primitives);
+            }
+            node_count
         }
         Structure::Bvh => split_all(items, geometry.spheres().len(), nodes),
     };
