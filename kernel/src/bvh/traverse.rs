@@ -37,11 +37,10 @@ fn search<R: Real, E: EffectSet, const ANY: bool>(
     if !ray.is_valid() {
         return None;
     }
-    let prepared = PreparedRay::new_in::<E>(ray);
     let mut best = Hit::none(ray.tmax);
     match bvh.filter(|bvh| !is_small(geometry, bvh)) {
-        None => geometry.test_all::<E, ANY>(&prepared, &mut best),
-        Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &prepared, &mut best),
+        None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray), &mut best),
+        Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &PreparedRay::new_in::<E, true>(ray), &mut best),
     }
     (best.primitive != NO_PRIMITIVE).then_some(best)
 }

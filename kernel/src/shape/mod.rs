@@ -41,19 +41,21 @@ impl<R: Real> PreparedRay<R> {
     /// Computes what the tests share.
     #[inline]
     pub fn new(ray: &Ray<R>) -> Self {
-        Self::new_in::<Everything>(ray)
+        Self::new_in::<Everything, true>(ray)
     }
 
-    /// [`PreparedRay::new`] for a kernel of fewer effects.
-    #[inline]
-    pub(crate) fn new_in<E: EffectSet>(ray: &Ray<R>) -> Self {
+    /// [`PreparedRay::new`] for a kernel of fewer effects. Without `BOXES` it is for [`Geometry::test_all`] alone.
+    #[inline(always)]
+    pub(crate) fn new_in<E: EffectSet, const BOXES: bool>(ray: &Ray<R>) -> Self {
+        // Triangles are always tested against their own box, and so are spheres where `Sphere::has_in_box` says no.
+        let boxes = const { BOXES || R::WIDE_IS_SELF || E::EFFECTS.contains(Effects::TRIANGLES) };
         let direction = ray.direction.to_array();
         let wide_direction = widen::<R>(ray.direction);
         let wide_square = wide_direction.dot(wide_direction);
         let wide_inverse_square = R::Wide::ONE / wide_square;
         let square = R::narrow(wide_square);
         let usual = square > R::from_f64(SQUARE_RANGE[0]) && square < R::from_f64(SQUARE_RANGE[1]);
-        let inverse = direction.map(|d| R::ONE / d);
+        let inverse = if boxes { direction.map(|d| R::ONE / d) } else { [R::NAN; 3] };
         Self {
             slabs: Slabs::new(ray.origin.to_array(), inverse),
             origin: ray.origin.to_array(),
