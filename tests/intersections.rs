@@ -6,14 +6,13 @@
 use ocellus_kernel::bvh::Structure;
 use ocellus_kernel::real::{Real, Vec3, Vector};
 use ocellus_kernel::shape::Sphere;
-use ocellus_kernel::surface::surface_point;
-use ocellus_kernel::{Everything, Hit, Ray, Scene};
+use ocellus_kernel::{Hit, Ray, Scene};
 
 use crate::support::exact::{ExactVec, exact, root, to_f64};
 use crate::support::in_both_precisions;
 use crate::support::meshes::{Mesh, cube, icosphere};
 use crate::support::random::Random;
-use crate::support::scene::{OwnedScene, v};
+use crate::support::scene::{OwnedScene, corners, v};
 use crate::support::tolerance::{self, u};
 
 in_both_precisions!(
@@ -112,7 +111,7 @@ fn spheres_agree_with_exact_arithmetic<R: Real>() {
         });
 
         // The point: on the sphere within the bound that rays are spawned by.
-        let point = scene.lend(None, |scene| surface_point::<R, Everything>(scene, &ray, &hit));
+        let point = scene.lend(None, |scene| scene.surface_point(&ray, &hit).expect("a hit of this scene"));
         let off = (ExactVec::new::<R>(point.p) - c).length() - exact(radius.to_f64());
         let bound = ExactVec::new::<R>(point.ng.abs()).dot(&ExactVec::new::<R>(point.p_error));
         assert!(to_f64(&off).abs() <= to_f64(&bound), "{point:?} is {} off {center:?} {radius:?}", to_f64(&off));
@@ -239,7 +238,7 @@ fn triangle_points_lie_within_their_error_bound<R: Real>() {
         let ray = Ray::<R>::new(v::<R>(origin), v::<R>(direction));
         scene_of(corners).lend(None, |scene| {
             let Some(hit) = scene.intersect(&ray) else { return };
-            let point = surface_point::<R, Everything>(scene, &ray, &hit);
+            let point = scene.surface_point(&ray, &hit).expect("a hit of this scene");
             let [a, b, c] = corners.map(ExactVec::new::<R>);
             let n = (&b - &a).cross(&(&c - &a)).unit();
             let off = to_f64(&(&ExactVec::new::<R>(point.p) - &a).dot(&n)).abs();
@@ -286,7 +285,7 @@ fn closed_meshes_do_not_leak<R: Real>() {
             for i in 0..rays {
                 let origin = random.in_cube();
                 let origin = v::<R>(std::array::from_fn(|k| center[k] + 0.5 * radius * origin[k]));
-                let [a, b, c] = scene.geometry().corners(random.below(mesh.triangles.len()));
+                let [a, b, c] = corners(scene.geometry(), random.below(mesh.triangles.len()));
                 let w = random.barycentric().map(R::from_f64);
                 let target = match i % 3 {
                     0 => a,

@@ -18,10 +18,15 @@ in_both_precisions!(a_hierarchy_on_the_stack_is_as_good_as_one_on_the_heap);
 /// Pixels across and down: enough to meet every surface of a figure.
 const SIZE: u32 = 24;
 
-/// Every figure in every precision.
-fn for_each_figure(test: impl Fn(&str, &SceneDescription, &dyn Fn(&mut RenderSettings))) {
-    for name in FIGURES {
-        let description = figure(name, SIZE);
+/// The figures, and a scene of many balls and triangles, since the few balls of most figures need no hierarchy.
+fn scenes() -> impl Iterator<Item = (&'static str, SceneDescription)> {
+    let crowd = ("crowd", scene(fixture("features/crowd.toml"), SIZE));
+    FIGURES.into_iter().map(|name| (name, figure(name, SIZE))).chain([crowd])
+}
+
+/// Every scene in every precision.
+fn for_each_scene(test: impl Fn(&str, &SceneDescription, &dyn Fn(&mut RenderSettings))) {
+    for (name, description) in scenes() {
         for precision in PRECISIONS {
             test(&format!("{name} in {precision}"), &description, &|settings| {
                 settings.samples = 0..4;
@@ -33,7 +38,7 @@ fn for_each_figure(test: impl Fn(&str, &SceneDescription, &dyn Fn(&mut RenderSet
 
 #[test]
 fn structures_change_no_bit() {
-    for_each_figure(|what, description, settings| {
+    for_each_scene(|what, description, settings| {
         let [none, one_box, bvh] = [Accel::None, Accel::Box, Accel::Bvh].map(|accel| {
             film(description, |own| {
                 settings(own);
@@ -48,7 +53,7 @@ fn structures_change_no_bit() {
 
 #[test]
 fn threads_change_no_bit() {
-    for_each_figure(|what, description, settings| {
+    for_each_scene(|what, description, settings| {
         let [one, two, five] = [1, 2, 5].map(|threads| {
             film(description, |own| {
                 settings(own);
@@ -62,7 +67,7 @@ fn threads_change_no_bit() {
 
 #[test]
 fn samples_in_parts_and_merged_change_no_bit() {
-    for_each_figure(|what, description, settings| {
+    for_each_scene(|what, description, settings| {
         let part = |samples: Range<u32>| {
             film(description, |own| {
                 settings(own);
@@ -87,7 +92,7 @@ fn samples_in_parts_and_merged_change_no_bit() {
 
 #[test]
 fn a_crop_is_a_part_of_the_whole() {
-    for_each_figure(|what, description, settings| {
+    for_each_scene(|what, description, settings| {
         let whole = film(description, settings);
         let region = Region { x0: 3, y0: 7, x1: 22, y1: 18 };
         let crop = film(description, |own| {
@@ -139,9 +144,12 @@ const NODES: usize = required_nodes(PRIMITIVES);
 fn a_hierarchy_on_the_stack_is_as_good_as_one_on_the_heap<R: TableReal>() {
     // The storage and what it is made from outgrow the 2 MiB of a test's stack.
     let on_a_large_stack = std::thread::Builder::new().stack_size(64 << 20).spawn(|| {
-        for name in FIGURES {
-            let description = figure(name, SIZE);
-            let compare = with_view::<R, _>(&description, Accel::Bvh, |view, _| (hash(view), hash_from_stack(view)));
+        for (name, description) in scenes() {
+            let compare = with_view::<R, _>(&description, Accel::Bvh, |view, _| {
+                let nodes = view.scene.bvh().map_or(0, |bvh| bvh.nodes().len());
+                assert!(nodes > 20 || !["crowd", "fig4"].contains(&name), "{name}: a hierarchy of {nodes} nodes");
+                (hash(view), hash_from_stack(view))
+            });
             let (heap, stack) = compare.unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(heap, stack, "{name}");
         }

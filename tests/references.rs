@@ -202,7 +202,7 @@ const WRONG: [Wrong; 5] = [
     Wrong {
         what: "light 2 % larger, same power",
         block: [1, 0],
-        change: |scene| scale_light(scene, 1.02, 1.02f64.powi(-2)),
+        change: |scene| scale_light(scene, 1.02, 1.0 / (1.02 * 1.02)),
     },
 ];
 

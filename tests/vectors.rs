@@ -1,12 +1,11 @@
 //! Vectors, frames and ray origins: what every other bound stands on.
 
 use ocellus_kernel::Real;
+use ocellus_kernel::Scene;
 use ocellus_kernel::ray::Ray;
 use ocellus_kernel::real::{Vec3, Vector};
 use ocellus_kernel::robust::{normalize, offset_ray_origin};
 use ocellus_kernel::shape::Sphere;
-use ocellus_kernel::surface::surface_point;
-use ocellus_kernel::{Everything, Scene};
 use proptest::prelude::*;
 
 use crate::support::exact::{Exact, ExactVec, exact, to_f64};
@@ -14,7 +13,7 @@ use crate::support::in_both_precisions;
 use crate::support::meshes::Mesh;
 use crate::support::property::{component, direction, for_all, power_of_two};
 use crate::support::random::Random;
-use crate::support::scene::{OwnedScene, v};
+use crate::support::scene::{OwnedScene, corners, v};
 use crate::support::tolerance::{self, u};
 
 in_both_precisions!(
@@ -141,7 +140,7 @@ fn spawn<R: Real>(
     let to = random.on_sphere().map(|x| x * reach);
     let first = Ray::new(target - v::<R>(to), v::<R>(to));
     let hit = scene.intersect(&first)?;
-    let point = surface_point::<R, Everything>(scene, &first, &hit);
+    let point = scene.surface_point(&first, &hit).expect("a hit of this scene");
     let wi = leaving::<R>(random, point.ng);
     Some((point, Ray::new(offset_ray_origin::<R>(point.p, point.p_error, point.ng, wi), wi)))
 }
@@ -156,13 +155,13 @@ fn spawned_rays_leave_triangles<R: Real>() {
         let grey = scene.diffuse(0.5, 0.0);
         scene.mesh(&triangle(&mut random, size), grey);
         let weights = random.barycentric().map(R::from_f64);
-        let [a, b, c] = scene.geometry().corners(0);
+        let [a, b, c] = corners(&scene.geometry(), 0);
         let target = a * weights[0] + b * weights[1] + c * weights[2];
         scene.lend(None, |scene| {
             let Some((_, ray)) = spawn::<R>(&mut random, scene, target, size) else { return };
             spawned += 1;
             let again = scene.intersect(&ray);
-            assert!(again.is_none(), "{:?} meets {:?} again: {again:?}", ray, scene.geometry().corners(0));
+            assert!(again.is_none(), "{:?} meets {:?} again: {again:?}", ray, corners(scene.geometry(), 0));
         });
     }
     assert!(spawned > 80_000, "only {spawned} rays had a place to start from");
@@ -210,7 +209,7 @@ fn offsets_are_a_few_ulps<R: Real>() {
         let mut scene = OwnedScene::<R>::default();
         let grey = scene.diffuse(0.5, 0.0);
         scene.mesh(&triangle(&mut random, size), grey);
-        let [a, b, c] = scene.geometry().corners(0);
+        let [a, b, c] = corners(&scene.geometry(), 0);
         let target = (a + b + c) * R::from_f64(1.0 / 3.0);
         scene.lend(None, |scene| {
             let Some((point, ray)) = spawn::<R>(&mut random, scene, target, size) else { return };

@@ -283,7 +283,8 @@ fn camera_settings(description: &SceneDescription) -> CameraSettings {
         width: film.width,
         height: film.height,
         aperture_radius: camera.aperture_radius,
-        focal_distance: camera.focal_distance,
+        // A pinhole has none, and the default, far away, may be beyond the precision.
+        focal_distance: if camera.aperture_radius > 0.0 { camera.focal_distance } else { 1.0 },
         filter: match film.filter {
             FilterDescription::Center => Filter::Box(0.0),
             FilterDescription::Box { width } => Filter::Box(width),

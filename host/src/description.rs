@@ -4,6 +4,7 @@
 
 use crate::error::{Origin, Warning};
 use glam::{DAffine3, DVec3};
+use std::path::PathBuf;
 
 /// Everything a render needs, as its files say it.
 #[derive(Clone, Debug)]
@@ -189,6 +190,8 @@ pub struct MaterialDescription {
 pub struct TextureDescription {
     /// Line that named the file.
     pub origin: Origin,
+    /// The file.
+    pub file: PathBuf,
     /// Texels across.
     pub width: u32,
     /// Texels down.

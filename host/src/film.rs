@@ -25,12 +25,12 @@ impl Region {
 
     /// Pixels across.
     pub fn width(&self) -> u32 {
-        self.x1 - self.x0
+        self.x1.saturating_sub(self.x0)
     }
 
     /// Pixels down.
     pub fn height(&self) -> u32 {
-        self.y1 - self.y0
+        self.y1.saturating_sub(self.y0)
     }
 }
 
@@ -105,7 +105,7 @@ impl Film {
 
     /// The fewest and the most samples that a pixel has, finite or not.
     pub fn samples_per_pixel(&self) -> [u32; 2] {
-        let counts = || self.pixels.iter().map(|pixel| pixel.count() + pixel.non_finite());
+        let counts = || self.pixels.iter().map(|pixel| pixel.count().saturating_add(pixel.non_finite()));
         [counts().min().unwrap_or(0), counts().max().unwrap_or(0)]
     }
 

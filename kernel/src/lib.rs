@@ -26,6 +26,7 @@
 pub mod bvh;
 pub mod camera;
 pub mod effects;
+mod elementary;
 pub mod error;
 pub mod film;
 pub mod lanes;
@@ -40,6 +41,7 @@ pub mod scene;
 pub mod shape;
 pub mod surface;
 pub mod texture;
+mod vector;
 pub mod view;
 pub mod warp;
 

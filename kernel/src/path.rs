@@ -22,7 +22,7 @@ pub struct PathOptions {
     pub light_sampling: LightSampling,
     /// How dielectrics share light between reflection and refraction.
     pub fresnel: Fresnel,
-    /// Scattering events after which paths may end at random, unbiased; `None` never.
+    /// Paths may end at random, unbiased, after any scattering event but the first so many; `None` never.
     pub roulette_after: Option<u32>,
     /// Seed of the sample numbers.
     pub seed: u64,

@@ -1,10 +1,14 @@
-//! Precision is chosen here: the sealed trait [`Real`] for f32 and f64, and their three-component vectors.
+//! Precision is chosen here: the sealed trait [`Real`] for f32 and f64.
 //!
-//! Every operation is one IEEE 754 operation, an exact bit operation, or a routine of this file or of the `libm`
+//! Every operation is one IEEE 754 operation, an exact bit operation, or a routine of `elementary.rs` or of the `libm`
 //! crate, so that its result is the same on every target.
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::elementary::{sin_cos_turns, two_product};
+
+pub use crate::vector::{Vec3, Vector, WideVec3, narrow, vec3_from_f64, widen};
 
 mod sealed {
     /// Keeps [`super::Real`] closed.
@@ -92,72 +96,6 @@ pub trait Real:
     fn ln(self) -> Self;
 }
 
-/// Three components. Only arithmetic whose order is written here or in the caller.
-pub trait Vector<R: Real>:
-    Copy
-    + Default
-    + Debug
-    + PartialEq
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<R, Output = Self>
-    + Mul<Output = Self>
-    + Neg<Output = Self>
-    + Send
-    + Sync
-    + 'static
-{
-    /// (0, 0, 0).
-    const ZERO: Self;
-    /// (1, 1, 1).
-    const ONE: Self;
-    /// From components.
-    fn new(x: R, y: R, z: R) -> Self;
-    /// All components equal.
-    fn splat(value: R) -> Self;
-    /// First component.
-    fn x(self) -> R;
-    /// Second component.
-    fn y(self) -> R;
-    /// Third component.
-    fn z(self) -> R;
-    /// Scalar product, `(x x' + y y') + z z'`.
-    fn dot(self, other: Self) -> R;
-    /// Vector product.
-    fn cross(self, other: Self) -> Self;
-    /// Magnitude of each component.
-    fn abs(self) -> Self;
-
-    /// As an array.
-    #[inline]
-    fn to_array(self) -> [R; 3] {
-        [self.x(), self.y(), self.z()]
-    }
-
-    /// From an array.
-    #[inline]
-    fn from_array([x, y, z]: [R; 3]) -> Self {
-        Self::new(x, y, z)
-    }
-
-    /// Whether no component is NaN or infinite.
-    #[inline]
-    fn is_finite(self) -> bool {
-        self.x().is_finite() && self.y().is_finite() && self.z().is_finite()
-    }
-
-    /// The largest component; a NaN loses.
-    #[inline]
-    fn max_component(self) -> R {
-        greater(greater(self.x(), self.y()), self.z())
-    }
-}
-
-/// A vector of precision `R`.
-pub type Vec3<R> = <R as Real>::Vec3;
-/// A vector of the precision in which `R` forms what must be exact.
-pub type WideVec3<R> = <<R as Real>::Wide as Real>::Vec3;
-
 /// The smaller of two; the first where they compare equal or not at all.
 #[inline]
 pub fn lesser<R: Real>(a: R, b: R) -> R {
@@ -168,75 +106,6 @@ pub fn lesser<R: Real>(a: R, b: R) -> R {
 #[inline]
 pub fn greater<R: Real>(a: R, b: R) -> R {
     if b > a { b } else { a }
-}
-
-/// The same vector in the wide precision; exact.
-#[inline]
-pub fn widen<R: Real>(v: Vec3<R>) -> WideVec3<R> {
-    Vector::new(v.x().widen(), v.y().widen(), v.z().widen())
-}
-
-/// The nearest vector to a wide one.
-#[inline]
-pub fn narrow<R: Real>(v: WideVec3<R>) -> Vec3<R> {
-    Vector::new(R::narrow(v.x()), R::narrow(v.y()), R::narrow(v.z()))
-}
-
-/// From f64 components, each rounded to nearest.
-#[inline]
-pub fn vec3_from_f64<R: Real>(v: [f64; 3]) -> Vec3<R> {
-    Vector::new(R::from_f64(v[0]), R::from_f64(v[1]), R::from_f64(v[2]))
-}
-
-/// `a * b` as value and error, exactly (Dekker 1971, Veltkamp's splitting).
-#[inline]
-fn two_product(a: f64, b: f64) -> (f64, f64) {
-    const SPLIT: f64 = 134_217_729.0; // 2^27 + 1
-    let split = |x: f64| {
-        let c = SPLIT * x;
-        let high = c - (c - x);
-        (high, x - high)
-    };
-    let p = a * b;
-    let (a1, a2) = split(a);
-    let (b1, b2) = split(b);
-    (p, ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2)
-}
-
-/// `(-1)^k / (2 k + first)!` for the Taylor series of sine (`first` = 1) and cosine (`first` = 0).
-const fn taylor<const TERMS: usize>(first: u32) -> [f64; TERMS] {
-    let mut terms = [0.0; TERMS];
-    let mut k = 0;
-    while k < TERMS {
-        let (mut factorial, mut i) = (1.0, 2);
-        while i <= 2 * k as u32 + first {
-            factorial *= i as f64;
-            i += 1;
-        }
-        terms[k] = if k % 2 == 0 { 1.0 } else { -1.0 } / factorial;
-        k += 1;
-    }
-    terms
-}
-
-/// Sine and cosine of `2 pi turns`: exact reduction to an eighth of a turn, then `TERMS` terms of Taylor's series,
-/// then the quadrant's swap and signs by bit operations (no branch to predict).
-#[inline]
-fn sin_cos_turns<const TERMS: usize>(turns: f64) -> (f64, f64) {
-    // Added to a number, 3 * 2^51 rounds it to an integer, which is then in the low bits.
-    const ROUND: f64 = 6_755_399_441_055_744.0;
-    let quadrants = turns * 4.0;
-    let rounded = quadrants + ROUND;
-    let quadrant = rounded.to_bits();
-    let angle = (quadrants - (rounded - ROUND)) * core::f64::consts::FRAC_PI_2;
-    let square = angle * angle;
-    let series = |terms: [f64; TERMS]| terms.iter().rev().fold(0.0, |sum, term| sum * square + term);
-    let sine = (series(const { taylor::<TERMS>(1) }) * angle).to_bits();
-    let cosine = series(const { taylor::<TERMS>(0) }).to_bits();
-    let swap = (sine ^ cosine) & 0u64.wrapping_sub(quadrant & 1);
-    let sine_sign = (quadrant & 2) << 62;
-    let cosine_sign = ((quadrant + 1) & 2) << 62;
-    (f64::from_bits(sine ^ swap ^ sine_sign), f64::from_bits(cosine ^ swap ^ cosine_sign))
 }
 
 impl Real for f32 {
@@ -449,59 +318,6 @@ impl Real for f64 {
         libm::log(self)
     }
 }
-
-/// The same forwarding for both of glam's plain scalar vectors.
-macro_rules! vector {
-    ($real:ty, $vector:ty) => {
-        impl Vector<$real> for $vector {
-            const ZERO: Self = <$vector>::ZERO;
-            const ONE: Self = <$vector>::ONE;
-
-            #[inline]
-            fn new(x: $real, y: $real, z: $real) -> Self {
-                <$vector>::new(x, y, z)
-            }
-
-            #[inline]
-            fn splat(value: $real) -> Self {
-                <$vector>::splat(value)
-            }
-
-            #[inline]
-            fn x(self) -> $real {
-                self.x
-            }
-
-            #[inline]
-            fn y(self) -> $real {
-                self.y
-            }
-
-            #[inline]
-            fn z(self) -> $real {
-                self.z
-            }
-
-            #[inline]
-            fn dot(self, other: Self) -> $real {
-                <$vector>::dot(self, other)
-            }
-
-            #[inline]
-            fn cross(self, other: Self) -> Self {
-                <$vector>::cross(self, other)
-            }
-
-            #[inline]
-            fn abs(self) -> Self {
-                <$vector>::new(self.x.abs(), self.y.abs(), self.z.abs())
-            }
-        }
-    };
-}
-
-vector!(f32, glam::Vec3);
-vector!(f64, glam::DVec3);
 
 #[cfg(test)]
 mod tests {

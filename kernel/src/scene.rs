@@ -8,6 +8,7 @@ use crate::material::{Material, Scattering};
 use crate::ray::{Hit, Ray};
 use crate::real::{Real, Vec3, Vector};
 use crate::shape::{Geometry, TriangleAttributes};
+use crate::surface::{SurfacePoint, surface_point};
 use crate::texture::Texture;
 
 /// What a scene is made of. All of it is the caller's.
@@ -126,6 +127,14 @@ impl<'a, R: Real> Scene<'a, R> {
     #[inline]
     pub fn occluded(&self, ray: &Ray<R>) -> bool {
         self.occluded_in::<Everything>(ray)
+    }
+
+    /// The surface point of a hit of `ray`, whose direction must have length 1; `None` where the scene has no such
+    /// primitive.
+    #[inline]
+    pub fn surface_point(&self, ray: &Ray<R>, hit: &Hit<R>) -> Option<SurfacePoint<R>> {
+        let known = (hit.primitive as usize) < self.parts.geometry.len();
+        known.then(|| surface_point::<R, Everything>(self, ray, hit))
     }
 
     /// [`Scene::intersect`] for a kernel of fewer effects.

@@ -51,7 +51,11 @@ pub struct Facing<R: Real> {
 /// The surface point of `hit`, a hit of `ray` in `scene`. The ray's direction must have length 1, since `wo` is its
 /// opposite.
 #[inline]
-pub fn surface_point<R: Real, E: EffectSet>(scene: &Scene<'_, R>, ray: &Ray<R>, hit: &Hit<R>) -> SurfacePoint<R> {
+pub(crate) fn surface_point<R: Real, E: EffectSet>(
+    scene: &Scene<'_, R>,
+    ray: &Ray<R>,
+    hit: &Hit<R>,
+) -> SurfacePoint<R> {
     let geometry = scene.geometry();
     let at = hit.primitive as usize;
     let wo = -ray.direction;

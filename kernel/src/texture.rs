@@ -21,12 +21,13 @@ impl Texture<'_> {
     }
 
     /// The colour at `(u, v)`: u to the right, v up, (0, 0) the lower left corner of the picture, repeating.
+    /// Texels that the size promises and the slice lacks are black.
     #[inline]
     pub fn lookup<R: Real>(&self, [u, v]: [R; 2]) -> Vec3<R> {
         let (left, right, across) = texel_pair(u, self.width);
         let (top, bottom, down) = texel_pair(R::ONE - v, self.height);
         let at = |x: usize, y: usize| {
-            let texel = self.texels[y * self.width as usize + x];
+            let texel = self.texels.get(y * self.width as usize + x).copied().unwrap_or_default();
             Vec3::<R>::from_array(texel.map(|c| R::from_f64(f64::from(c))))
         };
         let mix = |a: Vec3<R>, b: Vec3<R>, weight: R| a * (R::ONE - weight) + b * weight;
@@ -42,7 +43,7 @@ fn texel_pair<R: Real>(x: R, size: u32) -> (usize, usize, R) {
     let turn = if turn >= R::ZERO && turn < R::ONE { turn } else { R::ZERO };
     let at = turn * R::from_f64(f64::from(size)) - R::from_f64(0.5);
     let cell = at.floor();
-    let first = cell.to_i32().rem_euclid(size as i32);
+    let first = cell.to_i32().checked_rem_euclid(size as i32).unwrap_or(0);
     let second = if first + 1 == size as i32 { 0 } else { first + 1 };
     (first as usize, second as usize, at - cell)
 }
@@ -63,6 +64,14 @@ mod tests {
             assert_eq!(TEXTURE.lookup::<f32>([0.25, 0.25 + repeat]), V::new(0.0, 0.0, 1.0));
         }
         assert_eq!(TEXTURE.lookup::<f64>([0.5, 0.75]), glam::DVec3::new(0.5, 0.5, 0.0));
+    }
+
+    #[test]
+    fn a_size_that_is_not_that_of_the_texels_reads_black() {
+        for (width, height, texels) in [(0, 0, &TEXELS[..]), (2, 2, &[]), (u32::MAX, 3, &TEXELS)] {
+            let texture = Texture { width, height, texels };
+            assert!(Vector::is_finite(texture.lookup::<f32>([0.25, 0.25])), "{width} {height}");
+        }
     }
 
     #[test]

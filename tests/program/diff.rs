@@ -37,6 +37,7 @@ fn what_cannot_be_compared_is_refused() {
     refuses(&folder, &["none.png", "a.exr"], 66, &["cannot read none.png", "check the path"]);
     refuses(&folder, &["a.exr", "text.png"], 65, &["text.png: ", "neither a PNG nor an EXR", "use a PNG"]);
     refuses(&folder, &["half.exr", "a.exr"], 65, &["half.exr: ", "cannot decode"]);
+    refuses(&folder, &["a.exr", "a.png", "-o", "a.png"], 2, &["a.png is read here and would be replaced"]);
     refuses(&folder, &["a.exr", "small.exr"], 2, &["8x8", "8x4", "--size"]);
     refuses(&folder, &["a.exr"], 2, &["<B>"]);
     refuses(&folder, &["a.exr", "b.exr", "--tolerance", "nan"], 2, &["--tolerance", "0 or more"]);

@@ -213,6 +213,21 @@ fn a_picture_of_someone_else_is_not_replaced_unless_it_is_named() {
 
 #[cfg(unix)]
 #[test]
+fn an_output_that_is_a_texture_of_the_scene_or_named_twice() {
+    let folder = Folder::with_ball();
+    let texture = crate::run::repository().join("fixtures/features/tiles.png");
+    folder.write("tiles.png", std::fs::read(&texture).expect("a fixture"));
+    folder.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n");
+    folder.write("a.mtl", "newmtl a\nmap_Kd tiles.png\n");
+    let arguments = &["render", "a.obj", "-o", "tiles.png"];
+    let says = &["tiles.png is read here and would be replaced", "-o"];
+    Refusal { files: &[], arguments, code: 2, says }.check_in(&folder);
+    assert_eq!(std::fs::read(folder.path("tiles.png")).expect("the texture"), std::fs::read(texture).expect("it"));
+    let arguments = &["render", "ball.toml", "-o", "a.png", "-o", "./a.png"];
+    Refusal { files: &[], arguments, code: 2, says: &["./a.png is named twice"] }.check_in(&folder);
+}
+
+#[test]
 fn an_output_that_is_a_device() {
     let folder = Folder::with_ball();
     std::os::unix::fs::symlink("/dev/null", folder.path("null.png")).expect("a link");

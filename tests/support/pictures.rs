@@ -36,12 +36,13 @@ pub(crate) fn figure(name: &str, size: u32) -> SceneDescription {
 /// repository or not ours to put there. Without it `what` is not tested, and a line says so past the test harness, which
 /// would swallow it.
 pub(crate) fn data_folder(what: &str, name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("OCELLUS_DATA").map(|data| Path::new(&data).join(name));
-    if let Some(folder) = folder.filter(|folder| folder.is_dir()) {
+    if let Some(data) = std::env::var_os("OCELLUS_DATA") {
+        let folder = Path::new(&data).join(name);
+        assert!(folder.is_dir(), "OCELLUS_DATA is set, but {} is no folder", folder.display());
         return Some(folder);
     }
     // Where nobody reads, nobody is to be told.
-    writeln!(std::io::stderr(), "skipped: {what}: OCELLUS_DATA names no folder with {name}/ in it").ok();
+    writeln!(std::io::stderr(), "skipped: {what}: OCELLUS_DATA, the folder with {name}/ in it, is not set").ok();
     None
 }
 

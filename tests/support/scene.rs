@@ -124,6 +124,11 @@ impl<R: Real> OwnedScene<R> {
     }
 }
 
+/// The corners of a triangle.
+pub(crate) fn corners<R: Real>(geometry: &Geometry<'_, R>, triangle: usize) -> [Vec3<R>; 3] {
+    geometry.triangles()[triangle].map(|corner| geometry.positions()[corner as usize])
+}
+
 /// A pinhole camera at z = 5 that looks at the origin, every sample on its pixel's centre.
 pub(crate) const CAMERA: CameraSettings = CameraSettings {
     position: [0.0, 0.0, 5.0],

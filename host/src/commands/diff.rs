@@ -5,7 +5,7 @@ use crate::cli::DiffArgs;
 use crate::diff::{compare, error_map};
 use crate::error::{Error, ExitCode};
 use crate::input::read_picture_and_encoding;
-use crate::output::{Format, check_output};
+use crate::output::{Format, check_output, check_replaces_nothing};
 
 pub(super) fn run(args: &DiffArgs) -> Result<ExitCode, Error> {
     if args.tolerance.is_some_and(|tolerance| !(tolerance >= 0.0)) {
@@ -17,6 +17,7 @@ pub(super) fn run(args: &DiffArgs) -> Result<ExitCode, Error> {
         let cause = format!("{} is not a PNG, but the map of the error is one", output.display());
         return Err(Error::usage(cause, "name an output that ends in .png"));
     }
+    check_replaces_nothing(args.output.as_slice(), &[&args.a, &args.b])?;
     let (a, a_encoding) = read_picture_and_encoding(&args.a)?;
     let (b, b_encoding) = read_picture_and_encoding(&args.b)?;
     let comparison = compare(&a, &b)?;

@@ -13,7 +13,7 @@ use crate::description::SceneDescription;
 use crate::error::{Error, ExitCode};
 use crate::film::Region;
 use crate::interrupt::Interrupt;
-use crate::output::{ToneMap, check_output, write_picture};
+use crate::output::{ToneMap, check_output, check_replaces_nothing, write_picture};
 use crate::progress::Progress;
 use crate::render::{RenderSettings, Rendering, render};
 
@@ -23,6 +23,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode, Error> {
     let load_seconds = start.elapsed().as_secs_f64();
     let tone = ToneMap::new(args.exposure.unwrap_or(scene.film.exposure), args.gamma.or(scene.film.gamma))?;
     let outputs = outputs(args)?;
+    let inputs: Vec<_> = scene.textures.iter().map(|texture| texture.file.as_path()).collect();
+    check_replaces_nothing(&outputs, &inputs)?;
     for output in &outputs {
         check_output(output)?;
     }

@@ -103,8 +103,12 @@ pub fn load_obj(path: &Path, asked_by: Option<Origin>) -> Result<ObjFile, Error>
         return Err(faulty("a face refers to something that the file does not have"));
     }
     if prepared.faces == 0 {
-        let remedy = "export the mesh with its faces (`f` lines with three or more corners)";
-        return Err(Error::bad_scene(origin, "the mesh is empty: the file has no faces", remedy));
+        let remedy = "export the mesh with its faces, as text (`f` lines with three or more corners)";
+        return Err(Error::bad_scene(
+            origin,
+            "the mesh is empty: the file has no faces of three or more corners",
+            remedy,
+        ));
     }
     let (models, library) = read_with_tobj(path, &origin, &prepared, &faulty)?;
 
@@ -114,7 +118,8 @@ pub fn load_obj(path: &Path, asked_by: Option<Origin>) -> Result<ObjFile, Error>
             return Err(faulty("a vertex is not finite, or the mesh has more than 2^32 vertices"));
         }
     }
-    if builder.mesh.triangles.is_empty() {
+    let flat = builder.mesh.triangles.iter().filter(|triangle| !has_area(&builder.mesh, triangle)).count();
+    if flat == builder.mesh.triangles.len() {
         let remedy = "export the mesh again; its faces may have collapsed to lines or points";
         return Err(Error::bad_scene(origin, "the mesh is empty: all its faces lie on a line or a point", remedy));
     }
@@ -122,6 +127,10 @@ pub fn load_obj(path: &Path, asked_by: Option<Origin>) -> Result<ObjFile, Error>
     let normals_origin = prepared.first_normal.filter(|_| normals_used).map(|line| origin.at(line));
     let mut warnings = text_warnings(&prepared, &origin, &library);
     warnings.extend(builder.warnings(&source, &origin, prepared.first_normal));
+    if flat > 0 {
+        let text = format!("triangles without an area, which no ray hits: {flat}");
+        warnings.push(Warning { origin: origin.clone(), text });
+    }
 
     let mut all = Materials::default();
     let mut materials = Vec::with_capacity(builder.materials.len());
@@ -136,6 +145,12 @@ pub fn load_obj(path: &Path, asked_by: Option<Origin>) -> Result<ObjFile, Error>
     let mesh = builder.mesh;
     warnings.extend(textures_without_uvs(&mesh, &materials));
     Ok(ObjFile { mesh, materials, textures, warnings, normals_origin })
+}
+
+/// Whether a ray can hit a triangle; differences and products of f32 are all but exact in f64.
+fn has_area(mesh: &ObjMesh, triangle: &TriangleDescription) -> bool {
+    let [a, b, c] = triangle.positions.map(|corner| DVec3::from(mesh.positions[corner as usize].map(f64::from)));
+    (b - a).cross(c - a) != DVec3::ZERO
 }
 
 /// All materials of the libraries, as tobj numbers them.
@@ -301,11 +316,14 @@ impl Builder {
         let mut warnings = Vec::new();
         if self.crossing.0 > 0 {
             let line = face_line(source, self.crossing.1).unwrap_or(0);
-            let text = format!("{} polygons cross themselves; each becomes a fan of triangles", self.crossing.0);
+            let text = format!(
+                "polygons that cross themselves, each of which becomes a fan of triangles: {}",
+                self.crossing.0
+            );
             warnings.push(Warning { origin: origin.at(line), text });
         }
         if self.undirected > 0 {
-            let text = format!("{} normals have no direction; the faces that use them are flat", self.undirected);
+            let text = format!("normals without a direction, which leave their faces flat: {}", self.undirected);
             warnings.push(Warning { origin: origin.at(first_normal.unwrap_or(0)), text });
         }
         warnings

@@ -177,7 +177,10 @@ impl<'t> Table<'t> {
             ),
             None => Error::bad_scene(
                 self.origin.clone(),
-                format!("{} has no `{key}`", self.title),
+                match self.entries {
+                    Some(_) => format!("{} has no `{key}`", self.title),
+                    None => format!("the scene has no {}, which must have `{key}`", self.title),
+                },
                 format!("add {wanted}, as in `{key} = {example}`"),
             ),
         }
@@ -249,7 +252,8 @@ mod tests {
             let mut camera = root.table("camera").expect("an empty table");
             assert_eq!(camera.origin.line, 0);
             assert!(camera.get("fov", EXPOSURE).expect("nothing").is_none());
-            assert_eq!(camera.require("x", EXPOSURE).expect_err("absent").cause, "[camera] has no `x`");
+            let cause = camera.require("x", EXPOSURE).expect_err("absent").cause;
+            assert_eq!(cause, "the scene has no [camera], which must have `x`");
             camera.finish(&[]).expect("nothing is unknown");
         });
     }

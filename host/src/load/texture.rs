@@ -25,7 +25,7 @@ pub(super) fn load_texture(path: &Path, asked_by: Origin) -> Result<TextureDescr
         let table = linear_table(u16::from(u8::MAX));
         image.into_rgb8().pixels().map(|pixel| pixel.0.map(|code| table[usize::from(code)])).collect()
     };
-    Ok(TextureDescription { origin: asked_by, width, height, texels })
+    Ok(TextureDescription { origin: asked_by, file: path.to_path_buf(), width, height, texels })
 }
 
 fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, String> {

@@ -10,7 +10,7 @@ mod tone;
 
 use crate::error::Error;
 use crate::picture::Picture;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub use atomic::{check_writable, write_file};
 pub use exr::{ATTRIBUTE_PREFIX, write_exr};
@@ -52,6 +52,27 @@ pub fn check_output(path: &Path) -> Result<Format, Error> {
     let format = Format::of(path)?;
     check_writable(path)?;
     Ok(format)
+}
+
+/// Refuses an output that would replace a file that was read, or another output.
+///
+/// # Errors
+/// A usage error that names the file.
+pub fn check_replaces_nothing(outputs: &[PathBuf], inputs: &[&Path]) -> Result<(), Error> {
+    // A file that is not there yet has no canonical path.
+    let whole = |path: &Path| path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_default();
+    for (index, output) in outputs.iter().enumerate() {
+        let same = |other: &Path| whole(output) == whole(other);
+        if inputs.iter().any(|input| same(input)) {
+            let cause = format!("{} is read here and would be replaced", output.display());
+            return Err(Error::usage(cause, "name another output with -o"));
+        }
+        if outputs[..index].iter().any(|earlier| same(earlier)) {
+            let cause = format!("{} is named twice as an output", output.display());
+            return Err(Error::usage(cause, "name each output once"));
+        }
+    }
+    Ok(())
 }
 
 /// Writes `picture` in the format that `path` names. `tone` matters to PNG only.

@@ -16,20 +16,20 @@ impl ToneMap {
     /// A tone map from the user's numbers.
     ///
     /// # Errors
-    /// A usage error if the exposure is not finite or the gamma not a positive number.
+    /// A usage error if the exposure is not within 64 stops or the gamma not within 0.1 to 10, as in scene files.
     pub fn new(exposure_ev: f64, gamma: Option<f64>) -> Result<Self, Error> {
-        if !exposure_ev.is_finite() {
+        if !(exposure_ev.abs() <= 64.0) {
             return Err(Error::usage(
-                format!("the exposure {exposure_ev} is not a number of stops"),
+                format!("the exposure {exposure_ev} is not a number of stops between -64 and 64"),
                 "0 leaves the picture as it is, 1 makes it twice as bright, -1 half as bright",
             ));
         }
         if let Some(gamma) = gamma
-            && !(gamma.is_finite() && gamma > 0.0)
+            && !(0.1..=10.0).contains(&gamma)
         {
             return Err(Error::usage(
-                format!("a gamma of {gamma} maps no radiance to a code"),
-                "use a positive gamma such as 2.2, 1 for linear codes, or none for the sRGB curve",
+                format!("a gamma of {gamma} is not between 0.1 and 10"),
+                "use a gamma such as 2.2, 1 for linear codes, or none for the sRGB curve",
             ));
         }
         Ok(Self { exposure_ev, gamma })

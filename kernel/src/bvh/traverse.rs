@@ -11,7 +11,7 @@ use crate::shape::{Geometry, PreparedRay};
 
 /// The closest hit in `tmin < t <= tmax`; of equally close ones the lowest primitive. `bvh` = `None` tests all.
 ///
-/// Rays that are not valid ([`Ray::is_valid`]) miss.
+/// Rays that are not valid ([`Ray::is_valid`]) miss. A hierarchy over another number of primitives is not used.
 #[inline]
 pub fn intersect<R: Real, E: EffectSet>(
     geometry: &Geometry<'_, R>,
@@ -38,7 +38,7 @@ fn search<R: Real, E: EffectSet, const ANY: bool>(
         return None;
     }
     let mut best = Hit::none(ray.tmax);
-    match bvh.filter(|bvh| !is_small(geometry, bvh)) {
+    match bvh.filter(|bvh| bvh.order.len() == geometry.len() && !is_small(geometry, bvh)) {
         None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray), &mut best),
         Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &PreparedRay::new_in::<E, true>(ray), &mut best),
     }

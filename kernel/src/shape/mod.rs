@@ -134,15 +134,21 @@ impl<'a, R: Real> Geometry<'a, R> {
         self.triangles
     }
 
-    /// Corners of triangle `index` (counted without the spheres).
+    /// Corner positions, scene units.
     #[inline]
-    pub fn corners(&self, index: usize) -> [Vec3<R>; 3] {
+    pub fn positions(&self) -> &'a [Vec3<R>] {
+        self.positions
+    }
+
+    /// Corners of triangle `index` (counted without the spheres), which must be one.
+    #[inline]
+    pub(crate) fn corners(&self, index: usize) -> [Vec3<R>; 3] {
         self.triangles[index].map(|corner| self.positions[corner as usize])
     }
 
-    /// The box of primitive `index`.
+    /// The box of primitive `index`, which must be one.
     #[inline]
-    pub fn bounds(&self, index: usize) -> Bounds<R> {
+    pub(crate) fn bounds(&self, index: usize) -> Bounds<R> {
         match self.spheres.get(index) {
             Some(sphere) => sphere.bounds(),
             None => triangle::bounds(&self.corners(index - self.spheres.len())),
