@@ -47,3 +47,6 @@ mod figures;
 
 /// However it is rendered, a scene gives the same bits.
 mod invariance;
+
+/// The hard cases by their numbers.
+mod cases;

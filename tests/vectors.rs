@@ -220,3 +220,36 @@ fn offsets_are_a_few_ulps<R: Real>() {
         });
     }
 }
+
+/// N26. Numbers in order are integers in order: the bits of the magnitude, with the sign before them. A neighbour is one
+/// further, but infinity is the last, both zeros are the same place, and a NaN has none.
+#[test]
+fn neighbours_are_one_place_apart() {
+    let mut random = Random::new(26);
+    let single = [0, 1, 0x007F_FFFF, 0x0080_0000, 0x3F80_0000, 0x7F7F_FFFF, 0x7F80_0000, 0x7FC0_0000];
+    let double = [0, 1, (1 << 52) - 1, 1 << 52, 0x3FF0 << 48, (0x7FF0 << 48) - 1, 0x7FF0 << 48, 0x7FF8 << 48];
+    for case in 0..100_000 {
+        let bits = single.get(case).copied().unwrap_or_else(|| random.bits() as u32);
+        for x in [f32::from_bits(bits), f32::from_bits(bits ^ 1 << 31)] {
+            let place = |x: f32| i64::from(x.to_bits() & 0x7FFF_FFFF) * if x.is_sign_negative() { -1 } else { 1 };
+            assert_neighbours(x, |x| place(x).into());
+        }
+        let bits = double.get(case).copied().unwrap_or_else(|| random.bits());
+        for x in [f64::from_bits(bits), f64::from_bits(bits ^ 1 << 63)] {
+            let place = |x: f64| i128::from(x.to_bits() & !(1 << 63)) * if x.is_sign_negative() { -1 } else { 1 };
+            assert_neighbours(x, place);
+        }
+    }
+}
+
+#[track_caller]
+fn assert_neighbours<R: Real>(x: R, place: impl Fn(R) -> i128) {
+    let (up, down) = (x.next_up(), x.next_down());
+    if x.to_f64().is_nan() {
+        assert!(up.to_f64().is_nan() && down.to_f64().is_nan(), "{x:?}: {down:?} {up:?}");
+        return;
+    }
+    let last = |infinity: f64| i128::from(x.to_f64() != infinity);
+    assert_eq!(place(up), place(x) + last(f64::INFINITY), "above {x:?}");
+    assert_eq!(place(down), place(x) - last(-f64::INFINITY), "below {x:?}");
+}

@@ -1,0 +1,190 @@
+//! The hard cases by their numbers: which tests hold them, and what of them is still open.
+//!
+//! N1 to N47 are numerical cases, A1 to A11 scenes with answers in closed form. `cargo test -p ocellus-tests cases --
+//! --nocapture` prints the table.
+
+use std::process::Command;
+
+/// A numbered case.
+struct Case {
+    number: &'static str,
+    what: &'static str,
+    /// Tests of this suite, without the module of their precision.
+    tests: &'static [&'static str],
+    /// What no test holds yet, if anything.
+    open: &'static str,
+}
+
+const fn case(number: &'static str, what: &'static str, tests: &'static [&'static str], open: &'static str) -> Case {
+    Case { number, what, tests, open }
+}
+
+const SLABS: &[&str] = &["bvh::slabs_never_miss_what_exact_rays_meet"];
+const SPHERES: &[&str] = &["intersections::spheres_agree_with_exact_arithmetic"];
+const SAME_BITS: &str = "tests/same_bits/run, not in this program";
+
+const CASES: &[Case] = &[
+    case("N1", "slab: zero component, origin on the plane", SLABS, ""),
+    case("N2", "slab: ray in a face or along an edge", SLABS, ""),
+    case("N3", "slab: signed zeros", SLABS, ""),
+    case("N4", "slab: denormal and tiny components", SLABS, ""),
+    case("N5", "slab: rays at corners and edges", SLABS, "1e6 rays"),
+    case(
+        "N6",
+        "triangles behind their own box",
+        &["intersections::rays_toward_triangle_corners_and_edges_hit_behind_boxes"],
+        "1e6 rays",
+    ),
+    case("N7", "infinite and empty boxes, overflow", &["bvh::hostile_input_builds_within_the_depth_limit"], "as rays"),
+    case("N8", "rays that are no rays", &["bvh::invalid_rays_miss"], "bounded time"),
+    case("N9", "closed meshes do not leak", &["intersections::closed_meshes_do_not_leak"], "1e6 rays"),
+    case("N10", "no fused operations", &[], "a search of the machine code"),
+    case("N11", "rays along grid lines", &["intersections::rays_along_the_grid_of_a_cube_do_not_leak"], ""),
+    case("N12", "exactly once on shared edges", &[], "a query of all hits"),
+    case(
+        "N13",
+        "accuracy of t and of the point",
+        &[
+            "intersections::triangles_agree_with_exact_arithmetic",
+            "intersections::triangle_points_lie_within_their_error_bound",
+        ],
+        "",
+    ),
+    case(
+        "N14",
+        "triangles without area or with NaN",
+        &["bvh::hostile_input_builds_within_the_depth_limit"],
+        "neighbours",
+    ),
+    case("N15", "rays that once were bugs", &[], "the table"),
+    case("N16", "far spheres", SPHERES, ""),
+    case("N17", "grazed spheres", SPHERES, ""),
+    case("N18", "tiny and huge spheres", SPHERES, ""),
+    case("N19", "rays from inside and from the surface", SPHERES, "exactly from the centre"),
+    case("N20", "extreme scales and directions of any length", SPHERES, "scales of 1e-20 and 1e18"),
+    case("N21", "rays leave planes", &["vectors::spawned_rays_leave_triangles"], "1e6 rays"),
+    case("N22", "rays leave spheres", &["vectors::spawned_rays_leave_spheres"], "1e6 rays"),
+    case("N23", "a second surface close by", &["vectors::offsets_are_a_few_ulps"], "1e6 rays"),
+    case("N24", "corners and contacts", &["furnace::glass_is_entered_as_often_as_it_is_left"], "the seam of two walls"),
+    case("N25", "shadow rays", &["closed_forms::walls_stop_light_and_open_air_does_not"], "a light that touches"),
+    case("N26", "next larger and smaller numbers", &["vectors::neighbours_are_one_place_apart"], ""),
+    case("N27", "frames", &["vectors::frames_are_orthonormal_and_right_handed"], ""),
+    case("N28", "unit vectors", &["vectors::normalize_is_unit_and_keeps_the_direction"], ""),
+    case("N29", "mirrors in a chain", &[], "1000 bounces"),
+    case("N30", "refracted directions", &[], "against exact arithmetic"),
+    case("N31", "total reflection", &["furnace::glass_reflects_what_fresnel_says"], "reversal"),
+    case(
+        "N32",
+        "Fresnel",
+        &["furnace::reflectance_is_a_fraction_that_equals_its_oracle"],
+        "waits for conductors in part",
+    ),
+    case("N33", "glass in a furnace", &["furnace::every_path_in_a_furnace_weighs_one"], "reciprocity"),
+    case(
+        "N34",
+        "samplers follow their densities",
+        &[
+            "sampling::the_cosine_hemisphere_follows_its_density",
+            "sampling::the_disk_is_uniform",
+            "sampling::the_cone_is_uniform_in_solid_angle",
+            "sampling::the_gaussian_is_normal",
+            "sampling::the_tent_is_a_tent",
+        ],
+        "waits for rough surfaces in part",
+    ),
+    case(
+        "N35",
+        "corners of the unit square",
+        &["sampling::corners_of_the_square_are_finite_and_in_range", "sampling::far_cones_keep_their_solid_angle"],
+        "",
+    ),
+    case("N36", "inverse warps", &[], "waits for importance sampling that inverts"),
+    case(
+        "N37",
+        "camera",
+        &[
+            "camera::mirrored_pixels_get_mirrored_rays",
+            "camera::pixels_lie_where_the_field_of_view_puts_them",
+            "camera::lens_rays_of_a_pixel_meet_in_focus",
+            "camera::directions_do_not_depend_on_the_position",
+        ],
+        "",
+    ),
+    case("N38", "hostile builds", &["bvh::hostile_input_builds_within_the_depth_limit"], ""),
+    case(
+        "N39",
+        "structures change no bit",
+        &[
+            "bvh::structures_agree_bit_for_bit",
+            "bvh::coplanar_copies_go_to_the_lowest_primitive",
+            "invariance::structures_change_no_bit",
+        ],
+        "a grazing floor",
+    ),
+    case("N40", "any hit agrees with the closest", &["bvh::occlusion_agrees_with_the_closest_hit"], "1e6 rays"),
+    case(
+        "N41",
+        "sums",
+        &["film::many_samples_do_not_drift", "film::samples_that_are_no_numbers_are_counted_and_kept_out"],
+        "",
+    ),
+    case("N42", "order and resume", &["film::order_and_split_change_no_bit", "invariance::threads_change_no_bit"], ""),
+    case(
+        "N43",
+        "random numbers",
+        &["sampling::philox_is_even_along_every_part_of_the_address", "sampling::addresses_do_not_collide"],
+        "waits for Sobol' points in part",
+    ),
+    case("N44", "picture files", &["references::spheres_of_glass_and_mirror"], "tested beside host/src/output"),
+    case("N45", "powers of two", &["furnace::power_of_two_scales_change_no_bit"], ""),
+    case("N46", "translation", &[], "a test of its own"),
+    case("N47", "the same bits on every target", &["figures::golden_hashes"], SAME_BITS),
+    case("A1", "a closed emitter", &["closed_forms::a_closed_emitter_is_a_geometric_series"], ""),
+    case("A2", "a lamp in a sphere", &["closed_forms::a_lamp_in_a_closed_sphere_is_a_geometric_series"], ""),
+    case(
+        "A3",
+        "a point light over a plane",
+        &["closed_forms::a_point_light_over_a_plane_falls_with_cosine_and_square"],
+        "",
+    ),
+    case("A4", "a sphere light over a plane", &["closed_forms::a_sphere_light_over_a_plane_has_its_form_factor"], ""),
+    case("A5", "a polygon light", &[], "emission found by chance can show it"),
+    case("A6", "coaxial discs", &[], "emission found by chance can show it"),
+    case("A7", "furnaces", &["furnace::every_path_in_a_furnace_weighs_one"], "waits for rough surfaces in part"),
+    case("A8", "reciprocity", &[], "waits for BSDFs that can be evaluated"),
+    case("A9", "estimators agree", &[], "light sampling against chance"),
+    case(
+        "A10",
+        "depth and roulette",
+        &["closed_forms::roulette_keeps_the_mean", "closed_forms::bounces_are_counted_as_documented"],
+        "",
+    ),
+    case("A11", "radiance in glass", &["furnace::the_centre_of_a_glass_ball_sees_the_furnace"], ""),
+];
+
+#[test]
+fn every_numbered_case_is_listed_once_with_tests_that_exist() {
+    let numbers: Vec<_> = (1..=47).map(|n| format!("N{n}")).chain((1..=11).map(|n| format!("A{n}"))).collect();
+    assert_eq!(CASES.iter().map(|case| case.number).collect::<Vec<_>>(), numbers);
+
+    let program = std::env::current_exe().expect("this program");
+    let listed =
+        Command::new(program).args(["--list", "--format", "terse"]).output().expect("the list of tests").stdout;
+    let listed = String::from_utf8(listed).expect("names");
+    let names: Vec<String> = listed
+        .lines()
+        .filter_map(|line| line.strip_suffix(": test"))
+        .map(|name| name.replace("::single::", "::").replace("::double::", "::"))
+        .collect();
+    for Case { number, what, tests, open } in CASES {
+        println!(
+            "{number:<4} {what:<48} {:>2} tests{}",
+            tests.len(),
+            if open.is_empty() { String::new() } else { format!("; open: {open}") }
+        );
+        for test in *tests {
+            assert!(names.iter().any(|name| name == test), "{number}: no test {test}");
+        }
+        assert!(!tests.is_empty() || !open.is_empty(), "{number}: neither a test nor a word on what is open");
+    }
+}
