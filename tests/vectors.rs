@@ -1,11 +1,10 @@
 //! Vectors, frames and ray origins: what every other bound stands on.
 
-use ocellus_kernel::Real;
-use ocellus_kernel::Scene;
 use ocellus_kernel::ray::Ray;
 use ocellus_kernel::real::{Vec3, Vector};
 use ocellus_kernel::robust::{normalize, offset_ray_origin};
 use ocellus_kernel::shape::Sphere;
+use ocellus_kernel::{Real, Scene};
 use proptest::prelude::*;
 
 use crate::support::exact::{Exact, ExactVec, exact, to_f64};
