@@ -1,7 +1,9 @@
 //! The acceleration structures: none, one box and a hierarchy give the same bits; builds end, within bounds, on any
 //! input; storages that are too small say so.
 
-use ocellus_kernel::bvh::{self, Bounds, BuildItem, Bvh, BvhStorage, MAX_DEPTH, Node, Structure, required_nodes};
+use std::collections::BTreeSet;
+
+use ocellus_kernel::bvh::{Bounds, BuildItem, Bvh, BvhStorage, Leaf, MAX_DEPTH, Structure, required_nodes};
 use ocellus_kernel::error::{Capacity, CapacityError};
 use ocellus_kernel::real::{Real, Vector};
 use ocellus_kernel::shape::{Geometry, PreparedRay, triangle};
@@ -13,7 +15,7 @@ use crate::support::in_both_precisions;
 use crate::support::meshes::{Mesh, cube, soup};
 use crate::support::property::{component, for_all, power_of_two};
 use crate::support::random::Random;
-use crate::support::scene::{OwnedScene, STRUCTURES, corners, v};
+use crate::support::scene::{OwnedScene, Room, STRUCTURES, corners, v};
 use crate::support::tolerance::u;
 
 in_both_precisions!(
@@ -176,7 +178,15 @@ fn check_hierarchy<R: Real>(scene: &Scene<'_, R>, bvh: &Bvh<'_, R>) -> usize {
                 waiting.push((child, depth + 1));
             }
         }
-        for &primitive in &bvh.order()[node.leaf().unwrap_or(0..0)] {
+        let primitives: BTreeSet<u32> = match node.leaf() {
+            None => BTreeSet::new(),
+            Some(Leaf::Triangles(range)) => bvh.triangle_order()[range].iter().copied().collect(),
+            Some(Leaf::Spheres(range)) => {
+                bvh.sphere_quads()[range].iter().flat_map(|quad| *quad.primitives()).collect()
+            }
+        };
+        assert_eq!(primitives.len(), node.primitives());
+        for primitive in primitives {
             times[primitive as usize] += 1;
             assert!(holds(node.bounds(), &bounds(geometry, primitive as usize)), "{primitive} sticks out of node {at}");
         }
@@ -259,15 +269,18 @@ fn storage_on_the_stack_equals_boxed_slices<R: Real>() {
     }
     let geometry = owned.geometry();
     for structure in [Structure::Box, Structure::Bvh] {
-        let mut on_stack = BvhStorage::<R, { required_nodes(PRIMITIVES) }, PRIMITIVES>::EMPTY;
+        let mut on_stack = BvhStorage::<R, { required_nodes(PRIMITIVES) }, 8, { PRIMITIVES - 8 }>::EMPTY;
         let mut scratch = [BuildItem::EMPTY; PRIMITIVES];
         let on_stack = on_stack.build(&geometry, structure, &mut scratch).expect("room for all");
         // Larger than needed, and dirty: neither may show.
-        let mut nodes = vec![*on_stack.nodes().last().expect("a node"); 500].into_boxed_slice();
-        let mut order = vec![77; 300].into_boxed_slice();
-        let mut scratch = vec![BuildItem::EMPTY; 200].into_boxed_slice();
-        let boxed = bvh::build(&geometry, structure, &mut nodes, &mut order, &mut scratch).expect("room for all");
-        assert_eq!((boxed.nodes(), boxed.order()), (on_stack.nodes(), on_stack.order()));
+        let mut room = Room::new([500, 100, 300, 200]);
+        room.nodes.fill(*on_stack.nodes().last().expect("a node"));
+        room.sphere_quads.fill(on_stack.sphere_quads()[0]);
+        room.triangle_order.fill(77);
+        let boxed = room.build(&geometry, structure).expect("room for all");
+        assert_eq!((boxed.nodes(), boxed.triangle_order()), (on_stack.nodes(), on_stack.triangle_order()));
+        let spheres = |bvh: Bvh<'_, R>| bvh.sphere_quads().iter().map(|quad| *quad.primitives()).collect::<Vec<_>>();
+        assert_eq!(spheres(boxed), spheres(on_stack));
     }
 }
 
@@ -275,25 +288,21 @@ fn storage_that_is_too_small_is_named<R: Real>() {
     let mut owned = OwnedScene::<R>::default();
     let grey = owned.diffuse(0.5, 0.0);
     owned.mesh(&cube(1), grey);
+    owned.sphere([3.0; 3], 1.0, grey);
     let geometry = owned.geometry();
-    let build = |structure, [nodes, order, scratch]: [usize; 3]| {
-        let mut nodes = vec![Node::EMPTY; nodes];
-        let (mut order, mut scratch) = (vec![0; order], vec![BuildItem::EMPTY; scratch]);
-        bvh::build(&geometry, structure, &mut nodes, &mut order, &mut scratch).map(|_| ())
-    };
+    let build = |structure, room| Room::new(room).build(&geometry, structure).map(|_| ());
     let error = |what, needed, capacity| Err(CapacityError { what, needed, capacity });
-    for (structure, nodes) in [(Structure::Box, 1), (Structure::Bvh, 23)] {
-        assert_eq!(build(structure, [nodes, 12, 12]), Ok(()));
-        assert_eq!(build(structure, [nodes - 1, 12, 12]), error(Capacity::Nodes, nodes, nodes - 1));
-        assert_eq!(build(structure, [nodes, 11, 12]), error(Capacity::Order, 12, 11));
-        assert_eq!(build(structure, [nodes, 12, 0]), error(Capacity::Scratch, 12, 0));
-    }
-    let mut storage = BvhStorage::<R, 23, 11>::EMPTY;
-    let found = storage.build(&geometry, Structure::Bvh, &mut [BuildItem::EMPTY; 12]).map(|_| ());
-    assert_eq!(found, error(Capacity::Order, 12, 11));
     // Spheres and triangles have a box each, and one around both.
-    owned.sphere([0.0; 3], 1.0, grey);
-    assert_eq!(Structure::Box.required_nodes(&owned.geometry()), 3);
+    for (structure, nodes) in [(Structure::Box, 3), (Structure::Bvh, 25)] {
+        assert_eq!(build(structure, [nodes, 1, 12, 13]), Ok(()));
+        assert_eq!(build(structure, [nodes - 1, 1, 12, 13]), error(Capacity::Nodes, nodes, nodes - 1));
+        assert_eq!(build(structure, [nodes, 0, 12, 13]), error(Capacity::SphereQuads, 1, 0));
+        assert_eq!(build(structure, [nodes, 1, 11, 13]), error(Capacity::TriangleOrder, 12, 11));
+        assert_eq!(build(structure, [nodes, 1, 12, 0]), error(Capacity::Scratch, 13, 0));
+    }
+    let mut storage = BvhStorage::<R, 25, 1, 11>::EMPTY;
+    let found = storage.build(&geometry, Structure::Bvh, &mut [BuildItem::EMPTY; 13]).map(|_| ());
+    assert_eq!(found, error(Capacity::TriangleOrder, 12, 11));
 }
 
 fn required_nodes_are_enough<R: Real>() {
@@ -306,7 +315,7 @@ fn required_nodes_are_enough<R: Real>() {
         owned.mesh(&triangles_at((0..n).map(|_| random.in_cube().map(|x| x * 1e3)), |_| 1e-3), grey);
         owned.lend(Some(Structure::Bvh), |scene| {
             let bvh = scene.bvh().expect("a hierarchy");
-            assert_eq!(bvh.order().len(), n);
+            assert_eq!(bvh.built_for(), [0, n]);
             assert!(bvh.nodes().len() <= required_nodes(n), "{} nodes for {n}", bvh.nodes().len());
             most = most.max(bvh.nodes().len() as f64 / n.max(1) as f64);
         });

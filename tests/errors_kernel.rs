@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use ocellus_kernel::bvh::{self, BuildItem, Node, Structure};
+use ocellus_kernel::bvh::Structure;
 use ocellus_kernel::camera::{Camera, CameraSettings, Filter};
 use ocellus_kernel::error::{CameraError, Capacity, CapacityError, GeometryError, SceneError};
 use ocellus_kernel::light::{Light, SphereLight};
@@ -13,7 +13,7 @@ use ocellus_kernel::{Scene, SceneParts};
 
 use crate::support::in_both_precisions;
 use crate::support::meshes::cube;
-use crate::support::scene::{CAMERA, OwnedScene, v};
+use crate::support::scene::{CAMERA, OwnedScene, Room, v};
 
 in_both_precisions!(geometry_errors, scene_errors, camera_errors, a_camera_of_any_valid_setting_is_accepted);
 
@@ -146,12 +146,12 @@ fn scene_errors<R: Real>() {
 
     let other = base();
     let geometry = other.geometry();
-    let (mut nodes, mut order, mut scratch) = (vec![Node::EMPTY; 25], vec![0; 13], vec![BuildItem::EMPTY; 13]);
-    let bvh = bvh::build(&geometry, Structure::Bvh, &mut nodes, &mut order, &mut scratch).expect("enough room");
+    let mut room = Room::for_scene(&geometry);
+    let bvh = room.build(&geometry, Structure::Bvh).expect("enough room");
     let mut scene = base();
     scene.sphere([3.0; 3], 1.0, 0);
     let error = Scene::new(SceneParts { bvh: Some(bvh), ..scene.parts() }).expect_err("another geometry");
-    assert_eq!(error, SceneError::Bvh { built_for: 13, primitives: 14 });
+    assert_says(&error, &["BVH", "13 triangles", "1 and 13", "build it again"]);
     assert_says(&error, &["BVH", "13", "14", "build it again"]);
 }
 
@@ -220,9 +220,12 @@ fn a_camera_of_any_valid_setting_is_accepted<R: Real>() {
 /// The values are checked where storages are too small, beside the hierarchy; here the words.
 #[test]
 fn capacity_errors_say_what_is_needed() {
-    for (what, word) in
-        [(Capacity::Nodes, "nodes"), (Capacity::Order, "primitive order"), (Capacity::Scratch, "build scratch")]
-    {
+    for (what, word) in [
+        (Capacity::Nodes, "nodes"),
+        (Capacity::SphereQuads, "sphere quads"),
+        (Capacity::TriangleOrder, "triangle order"),
+        (Capacity::Scratch, "build scratch"),
+    ] {
         let error = CapacityError { what, needed: 23, capacity: 7 };
         assert_says(&error, &[word, "23 needed", "room for 7", "larger"]);
     }

@@ -160,7 +160,7 @@ fn a_hierarchy_on_the_stack_is_as_good_as_one_on_the_heap<R: TableReal>() {
 /// The hash of the view with a hierarchy built in storage on the stack.
 fn hash_from_stack<R: Real>(view: &View<'_, R>) -> u64 {
     let scene = view.scene;
-    let mut storage = BvhStorage::<R, NODES, PRIMITIVES>::EMPTY;
+    let mut storage = BvhStorage::<R, NODES, 64, PRIMITIVES>::EMPTY;
     let mut scratch = [BuildItem::EMPTY; PRIMITIVES];
     let bvh = storage.build(scene.geometry(), Structure::Bvh, &mut scratch).expect("enough room");
     assert_eq!(scene.bvh().map(|bvh| bvh.nodes().len()), Some(bvh.nodes().len()));

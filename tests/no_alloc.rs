@@ -33,7 +33,7 @@ fn building_and_tracing_never_allocate<R: Real>() {
     let case = all::<R>();
     // Outside of the count: what the caller owns.
     let parts = case.scene.parts();
-    let mut storage = BvhStorage::<R, { required_nodes(PRIMITIVES) }, PRIMITIVES>::EMPTY;
+    let mut storage = BvhStorage::<R, { required_nodes(PRIMITIVES) }, PRIMITIVES, PRIMITIVES>::EMPTY;
     let mut scratch = [BuildItem::EMPTY; PRIMITIVES];
     let mut pixels = [Pixel::EMPTY; 16];
 

@@ -4,14 +4,14 @@ use std::fmt;
 use std::time::Instant;
 
 use glam::{DMat3, DVec3};
-use ocellus_kernel::bvh::{self, BuildItem, Bvh, Node, Structure};
+use ocellus_kernel::bvh::{self, BuildItem, Bvh, BvhSlices, Node, Structure};
 use ocellus_kernel::camera::{Camera, CameraSettings, Filter};
 use ocellus_kernel::light::{Light, LightSampling, PointLight, SphereLight};
 use ocellus_kernel::material::{Dielectric, Diffuse, Fresnel, Material, Mirror, Scattering};
 use ocellus_kernel::path::PathOptions;
 use ocellus_kernel::real::{Real, Vec3, vec3_from_f64};
 use ocellus_kernel::scene::{Scene, SceneParts};
-use ocellus_kernel::shape::{Geometry, Sphere, TriangleAttributes};
+use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleAttributes};
 use ocellus_kernel::texture::Texture;
 use ocellus_kernel::view::View;
 
@@ -97,12 +97,15 @@ pub fn with_view<R: Real, T>(
         Accel::Bvh => Some(Structure::Bvh),
     };
     let mut nodes = vec![Node::EMPTY; structure.map_or(0, |structure| structure.required_nodes(&geometry))];
-    let mut order = vec![0; geometry.len()];
+    let mut sphere_quads = vec![SphereQuad::EMPTY; structure.map_or(0, |_| geometry.spheres().len())];
+    let mut triangle_order = vec![0; structure.map_or(0, |_| geometry.triangles().len())];
     let bvh = match structure {
         None => None,
         Some(structure) => {
             let mut scratch = vec![BuildItem::EMPTY; geometry.len()];
-            let built = bvh::build(&geometry, structure, &mut nodes, &mut order, &mut scratch);
+            let slices =
+                BvhSlices { nodes: &mut nodes, sphere_quads: &mut sphere_quads, triangle_order: &mut triangle_order };
+            let built = bvh::build(&geometry, structure, slices, &mut scratch);
             Some(built.map_err(|error| unusable(error.to_string()))?)
         }
     };
@@ -141,7 +144,7 @@ pub fn with_view<R: Real, T>(
 }
 
 fn bvh_bytes<R: Real>(bvh: &Bvh<'_, R>) -> usize {
-    size_of_val(bvh.nodes()) + size_of_val(bvh.order())
+    size_of_val(bvh.nodes()) + size_of_val(bvh.sphere_quads()) + size_of_val(bvh.triangle_order())
 }
 
 impl<R: Real> Arrays<R> {

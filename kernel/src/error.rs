@@ -18,8 +18,10 @@ pub struct CapacityError {
 pub enum Capacity {
     /// Nodes of the hierarchy; [`crate::bvh::required_nodes`].
     Nodes,
-    /// Primitive numbers in leaf order; one per primitive.
-    Order,
+    /// Spheres of the leaves, in fours; one per sphere is enough.
+    SphereQuads,
+    /// Triangle numbers in leaf order; one per triangle.
+    TriangleOrder,
     /// Scratch of the builder; one item per primitive.
     Scratch,
 }
@@ -28,7 +30,8 @@ impl fmt::Display for CapacityError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match self.what {
             Capacity::Nodes => "nodes",
-            Capacity::Order => "primitive order",
+            Capacity::SphereQuads => "sphere quads",
+            Capacity::TriangleOrder => "triangle order",
             Capacity::Scratch => "build scratch",
         };
         write!(f, "{what}: {} needed, room for {}; lend a larger slice", self.needed, self.capacity)
@@ -75,12 +78,12 @@ impl core::error::Error for GeometryError {}
 /// Parts that do not make a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneError {
-    /// The hierarchy was built for another number of primitives.
+    /// The hierarchy was built for other numbers of spheres and triangles.
     Bvh {
-        /// Primitives of the hierarchy.
-        built_for: usize,
-        /// Primitives of the geometry.
-        primitives: usize,
+        /// Spheres and triangles of the hierarchy.
+        built_for: [usize; 2],
+        /// Spheres and triangles of the geometry.
+        primitives: [usize; 2],
     },
     /// Not one set of attributes per triangle.
     Attributes {
@@ -119,9 +122,11 @@ pub enum SceneError {
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Bvh { built_for, primitives } => {
-                write!(f, "the BVH was built for {built_for} primitives, the scene has {primitives}; build it again")
-            }
+            Self::Bvh { built_for: [spheres, triangles], primitives: [has_spheres, has_triangles] } => write!(
+                f,
+                "the BVH was built for {spheres} spheres and {triangles} triangles, the scene has {has_spheres} and \
+                 {has_triangles}; build it again"
+            ),
             Self::Attributes { attributes, triangles } => {
                 write!(f, "{attributes} triangle attributes for {triangles} triangles; give one for each")
             }

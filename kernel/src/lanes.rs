@@ -3,40 +3,41 @@
 //! On targets with four-lane registers glam's `Vec4` is one. Every operation here is lane by lane, so the lanes hold
 //! the same numbers on every target; nothing is summed across them.
 
+use core::fmt::Debug;
 use core::ops::{Add, Mul, Sub};
 
 /// Four numbers of precision `R`.
-pub trait Lanes<R>: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
+pub trait Lanes<R>:
+    Copy + Debug + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Send + Sync + 'static
+{
+    /// Four zeros.
+    const ZERO: Self;
+    /// From numbers.
+    fn new(values: [R; 4]) -> Self;
     /// All four equal.
     fn splat(value: R) -> Self;
-    /// Four vectors of four components, transposed: the first result holds the first component of each.
-    fn transpose(rows: [[R; 4]; 4]) -> [Self; 4];
-    /// Magnitude of each.
-    fn abs(self) -> Self;
-    /// Bit k is set where lane k is greater than the other's; not where either is a NaN.
-    fn greater(self, other: Self) -> u32;
+    /// Bit k is set where, in one of the rows at least, lane k of the first is greater than that of the second in
+    /// both pairs. A NaN is never greater, nor is anything greater than it.
+    fn both_greater<const ROWS: usize>(rows: [[(Self, Self); 2]; ROWS]) -> u32;
 }
 
 impl Lanes<f32> for glam::Vec4 {
+    const ZERO: Self = glam::Vec4::ZERO;
+
+    #[inline]
+    fn new(values: [f32; 4]) -> Self {
+        glam::Vec4::from_array(values)
+    }
+
     #[inline]
     fn splat(value: f32) -> Self {
         glam::Vec4::splat(value)
     }
 
     #[inline]
-    fn transpose(rows: [[f32; 4]; 4]) -> [Self; 4] {
-        let columns = glam::Mat4::from_cols_array_2d(&rows).transpose();
-        [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis]
-    }
-
-    #[inline]
-    fn abs(self) -> Self {
-        glam::Vec4::abs(self)
-    }
-
-    #[inline]
-    fn greater(self, other: Self) -> u32 {
-        self.cmpgt(other).bitmask()
+    fn both_greater<const ROWS: usize>(rows: [[(Self, Self); 2]; ROWS]) -> u32 {
+        let both = rows.map(|[a, b]| a.0.cmpgt(a.1) & b.0.cmpgt(b.1));
+        both.into_iter().reduce(|some, more| some | more).map_or(0, |mask| mask.bitmask())
     }
 }
 
@@ -79,24 +80,22 @@ impl Mul for F64x4 {
 }
 
 impl Lanes<f64> for F64x4 {
+    const ZERO: Self = Self([0.0; 4]);
+
+    #[inline]
+    fn new(values: [f64; 4]) -> Self {
+        Self(values)
+    }
+
     #[inline]
     fn splat(value: f64) -> Self {
         Self([value; 4])
     }
 
     #[inline]
-    fn transpose(rows: [[f64; 4]; 4]) -> [Self; 4] {
-        core::array::from_fn(|component| Self(rows.map(|row| row[component])))
-    }
-
-    #[inline]
-    fn abs(self) -> Self {
-        Self(self.0.map(f64::abs))
-    }
-
-    #[inline]
-    fn greater(self, other: Self) -> u32 {
-        (0..4).map(|lane| u32::from(self.0[lane] > other.0[lane]) << lane).sum()
+    fn both_greater<const ROWS: usize>(rows: [[(Self, Self); 2]; ROWS]) -> u32 {
+        let in_lane = |lane: usize| rows.iter().any(|row| row.iter().all(|(a, b)| a.0[lane] > b.0[lane]));
+        (0..4).map(|lane| u32::from(in_lane(lane)) << lane).sum()
     }
 }
 
@@ -106,14 +105,27 @@ mod tests {
 
     #[test]
     fn both_precisions_agree_and_nan_is_never_greater() {
-        let rows = [[1.0, -2.0, 3.0, 4.0], [5.0, 6.0, -7.0, 8.0], [9.0, 10.0, 11.0, -12.0], [0.5, 0.25, f32::NAN, 1.0]];
-        let narrow = <glam::Vec4 as Lanes<f32>>::transpose(rows);
-        let wide = F64x4::transpose(rows.map(|row| row.map(f64::from)));
-        let zero = (<glam::Vec4 as Lanes<f32>>::splat(0.0), F64x4::splat(0.0));
-        for (component, expected) in [0b1111, 0b1110, 0b0101, 0b1011].into_iter().enumerate() {
-            assert_eq!(Lanes::greater(narrow[component], zero.0), expected);
-            assert_eq!(wide[component].greater(zero.1), expected);
+        let values = [[1.0, -2.0, 3.0, 4.0], [5.0, 6.0, -7.0, 8.0], [9.0, f32::NAN, 11.0, -12.0]];
+        let narrow = values.map(<glam::Vec4 as Lanes<f32>>::new);
+        let wide = values.map(|values| F64x4::new(values.map(f64::from)));
+        for (rows, expected) in [
+            (&[(1, 0, 1, 0)][..], 0b1011),
+            (&[(0, 2, 0, 2)], 0b1000),
+            (&[(2, 0, 2, 1)], 0b0101),
+            (&[(0, 1, 0, 1), (2, 0, 2, 1)], 0b0101),
+            (&[(0, 1, 0, 1), (0, 2, 0, 2), (2, 1, 2, 1)], 0b1101),
+        ] {
+            let found: u32 = rows
+                .iter()
+                .map(|&(a, b, c, d)| {
+                    let bits = Lanes::both_greater([[(narrow[a], narrow[b]), (narrow[c], narrow[d])]]);
+                    assert_eq!(bits, F64x4::both_greater([[(wide[a], wide[b]), (wide[c], wide[d])]]));
+                    bits
+                })
+                .fold(0, |all, bits| all | bits);
+            assert_eq!(found, expected, "{rows:?}");
         }
-        assert_eq!(Lanes::greater(Lanes::abs(narrow[1]), zero.0), 0b1111);
+        let row = |a: usize, b: usize| [(narrow[a], narrow[b]); 2];
+        assert_eq!(Lanes::both_greater([row(0, 1), row(2, 0)]), 0b0101);
     }
 }

@@ -3,7 +3,7 @@
 use crate::effects::{EffectSet, Effects};
 use crate::light::{self, LightSampling};
 use crate::material::{Diffuse, Fresnel, Scattering, dielectric, diffuse, mirror};
-use crate::ray::Ray;
+use crate::ray::{Departure, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector};
 use crate::robust::{offset_along_normal, offset_ray_origin};
 use crate::sampler::{Block, Sampler};
@@ -68,12 +68,13 @@ pub fn radiance<R: Real, E: EffectSet>(
     let (mut radiance, mut throughput, mut rays) = (Vec3::<R>::ZERO, Vec3::<R>::ONE, 0);
     // Whether a sampled light that the ray meets has yet to be counted: not after a diffuse bounce.
     let mut sees_lights = true;
+    let mut departure = Departure { origin: ray.origin, sphere: NO_PRIMITIVE };
     for bounce in 0..=options.max_bounces {
         if bounce == options.max_bounces && !last_segment_counts(scene, sees_lights) {
             break;
         }
         rays += 1;
-        let Some(hit) = scene.intersect_in::<E>(&ray) else {
+        let Some(hit) = scene.intersect_from::<E>(&ray, departure.sphere) else {
             if const { E::EFFECTS.contains(Effects::BACKGROUND) } {
                 radiance = radiance + throughput * scene.background();
             }
@@ -94,15 +95,18 @@ pub fn radiance<R: Real, E: EffectSet>(
         sampler.begin_vertex(bounce + 1);
         let numbers = sampler.numbers(Block::Scatter);
         let facing = point.toward_viewer::<E>();
+        let outside = |front: bool| outside_of::<R, E>(scene, hit.primitive, front);
         let sample = match &material.scattering {
             Scattering::Mirror(glossy) if const { E::EFFECTS.contains(Effects::MIRROR) } => {
                 let sample = mirror::sample(point.wo, &facing, glossy);
-                ray.origin = offset_along_normal::<R>(point.p, point.p_error, facing.ng);
+                departure.origin = offset_along_normal::<R>(point.p, point.p_error, facing.ng);
+                departure.sphere = outside(facing.front);
                 sample
             }
             Scattering::Dielectric(glass) if const { E::EFFECTS.contains(Effects::GLASS) } => {
                 let sample = dielectric::sample(&point, &facing, glass, options.fresnel, numbers[2]);
-                ray.origin = offset_ray_origin::<R>(point.p, point.p_error, point.ng, sample.wi);
+                departure.origin = offset_ray_origin::<R>(point.p, point.p_error, point.ng, sample.wi);
+                departure.sphere = outside(sample.wi.dot(point.ng) > R::ZERO);
                 sample
             }
             Scattering::Diffuse(surface) => {
@@ -110,10 +114,11 @@ pub fn radiance<R: Real, E: EffectSet>(
                 if albedo == Vec3::<R>::ZERO {
                     break;
                 }
-                ray.origin = offset_along_normal::<R>(point.p, point.p_error, facing.ng);
+                departure.origin = offset_along_normal::<R>(point.p, point.p_error, facing.ng);
+                departure.sphere = outside(facing.front);
                 if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
                     let light = sampler.numbers(Block::Light);
-                    let arriving = light::direct::<R, E>(scene, options, &point, &facing, ray.origin, light, &mut rays);
+                    let arriving = light::direct::<R, E>(scene, options, &point, &facing, &departure, light, &mut rays);
                     radiance = radiance + throughput * albedo * arriving;
                 }
                 if !(const { E::EFFECTS.contains(Effects::INDIRECT) } && options.indirect) {
@@ -137,9 +142,18 @@ pub fn radiance<R: Real, E: EffectSet>(
             }
         }
         sees_lights = sample.delta || options.light_sampling == LightSampling::None;
-        ray = Ray::new(ray.origin, sample.wi);
+        ray = Ray::new(departure.origin, sample.wi);
     }
     PathSample { radiance, rays }
+}
+
+/// The primitive, if a ray that leaves it to its front or its back departs from the outside of a sphere.
+#[inline]
+fn outside_of<R: Real, E: EffectSet>(scene: &Scene<'_, R>, primitive: u32, front: bool) -> u32 {
+    match scene.geometry().spheres().get(primitive as usize) {
+        Some(sphere) if const { E::EFFECTS.contains(Effects::SPHERES) } && sphere.inverted != front => primitive,
+        _ => NO_PRIMITIVE,
+    }
 }
 
 /// Whether the segment after the last scattering event can add anything: it can only end at light.

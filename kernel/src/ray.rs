@@ -30,8 +30,23 @@ impl<R: Real> Ray<R> {
         let finite = poison.x() + poison.y() + poison.z() == R::ZERO;
         let d = self.direction;
         let directed = d.x() != R::ZERO || d.y() != R::ZERO || d.z() != R::ZERO;
-        finite && directed && self.tmin >= R::ZERO && self.tmax >= self.tmin
+        finite && directed && self.has_range()
     }
+
+    /// Whether `0 <= tmin <= tmax`.
+    #[inline]
+    pub(crate) fn has_range(&self) -> bool {
+        self.tmin >= R::ZERO && self.tmax >= self.tmin
+    }
+}
+
+/// Where the rays that leave a surface point start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Departure<R: Real> {
+    /// Off the surface, scene units.
+    pub(crate) origin: Vec3<R>,
+    /// The sphere on whose outside that is, which the rays cannot meet; [`NO_PRIMITIVE`] if there is none.
+    pub(crate) sphere: u32,
 }
 
 /// The primitive number that stands for none.

@@ -5,7 +5,7 @@ use crate::effects::{EffectSet, Effects, Everything};
 use crate::error::SceneError;
 use crate::light::Light;
 use crate::material::{Material, Scattering};
-use crate::ray::{Hit, Ray};
+use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector};
 use crate::shape::{Geometry, TriangleAttributes};
 use crate::surface::{SurfacePoint, surface_point};
@@ -140,13 +140,25 @@ impl<'a, R: Real> Scene<'a, R> {
     /// [`Scene::intersect`] for a kernel of fewer effects.
     #[inline]
     pub fn intersect_in<E: EffectSet>(&self, ray: &Ray<R>) -> Option<Hit<R>> {
-        bvh::intersect::<R, E>(&self.parts.geometry, self.bvh(), ray)
+        self.intersect_from::<E>(ray, NO_PRIMITIVE)
     }
 
     /// [`Scene::occluded`] for a kernel of fewer effects.
     #[inline]
     pub fn occluded_in<E: EffectSet>(&self, ray: &Ray<R>) -> bool {
-        bvh::occluded::<R, E>(&self.parts.geometry, self.bvh(), ray)
+        self.occluded_from::<E>(ray, NO_PRIMITIVE)
+    }
+
+    /// [`Scene::intersect_in`] for a ray that starts on the outside of the sphere `departed`.
+    #[inline]
+    pub(crate) fn intersect_from<E: EffectSet>(&self, ray: &Ray<R>, departed: u32) -> Option<Hit<R>> {
+        bvh::search::<R, E, false>(&self.parts.geometry, self.bvh(), ray, departed)
+    }
+
+    /// [`Scene::occluded_in`] for a ray that starts on the outside of the sphere `departed`.
+    #[inline]
+    pub(crate) fn occluded_from<E: EffectSet>(&self, ray: &Ray<R>, departed: u32) -> bool {
+        bvh::search::<R, E, true>(&self.parts.geometry, self.bvh(), ray, departed).is_some()
     }
 }
 
@@ -158,9 +170,9 @@ fn check<R: Real>(parts: &SceneParts<'_, R>) -> Result<(), SceneError> {
     let geometry = &parts.geometry;
     let (spheres, triangles) = (geometry.spheres(), geometry.triangles());
     if let Some(bvh) = &parts.bvh
-        && bvh.order().len() != geometry.len()
+        && !bvh.fits(geometry)
     {
-        return Err(SceneError::Bvh { built_for: bvh.order().len(), primitives: geometry.len() });
+        return Err(SceneError::Bvh { built_for: bvh.built_for(), primitives: [spheres.len(), triangles.len()] });
     }
     if parts.attributes.len() != triangles.len() {
         return Err(SceneError::Attributes { attributes: parts.attributes.len(), triangles: triangles.len() });

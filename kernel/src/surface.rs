@@ -29,19 +29,22 @@ impl<R: Real> SurfacePoint<R> {
     /// Geometric and shading normal on the side of `wo`. A shading normal that faces away is replaced.
     #[inline]
     pub fn toward_viewer<E: EffectSet>(&self) -> Facing<R> {
-        let side = if self.wo.dot(self.ng) < R::ZERO { -R::ONE } else { R::ONE };
+        let front = !(self.wo.dot(self.ng) < R::ZERO);
+        let side = if front { R::ONE } else { -R::ONE };
         let ng = self.ng * side;
         if const { !E::EFFECTS.contains(Effects::SMOOTH_NORMALS) } {
-            return Facing { ng, ns: ng };
+            return Facing { ng, ns: ng, front };
         }
         let ns = self.ns * side;
-        Facing { ng, ns: if self.wo.dot(ns) > R::ZERO { ns } else { ng } }
+        Facing { front, ng, ns: if self.wo.dot(ns) > R::ZERO { ns } else { ng } }
     }
 }
 
 /// The normals of a surface point on the viewer's side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facing<R: Real> {
+    /// Whether the viewer is in front.
+    pub front: bool,
     /// Geometric normal.
     pub ng: Vec3<R>,
     /// Shading normal.

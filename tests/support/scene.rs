@@ -1,12 +1,13 @@
 //! Scenes that own what the kernel borrows, and pictures of them.
 
-use ocellus_kernel::bvh::{self, BuildItem, Node, Structure, required_nodes};
+use ocellus_kernel::bvh::{self, BuildItem, Bvh, BvhSlices, Node, Structure, required_nodes};
 use ocellus_kernel::camera::{Camera, CameraSettings, Filter};
+use ocellus_kernel::error::CapacityError;
 use ocellus_kernel::light::{Light, PointLight, SphereLight};
 use ocellus_kernel::material::{Dielectric, Diffuse, Material, Mirror, Scattering};
 use ocellus_kernel::path::PathOptions;
 use ocellus_kernel::real::{Real, Vec3, Vector, vec3_from_f64};
-use ocellus_kernel::shape::{Geometry, Sphere, TriangleAttributes};
+use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleAttributes};
 use ocellus_kernel::texture::Texture;
 use ocellus_kernel::{EffectSet, Pixel, Ray, Scene, SceneParts, View};
 
@@ -114,13 +115,44 @@ impl<R: Real> OwnedScene<R> {
     /// Lends the scene over a structure.
     pub(crate) fn lend<T>(&self, structure: Option<Structure>, look: impl FnOnce(&Scene<'_, R>) -> T) -> T {
         let geometry = self.geometry();
-        let mut nodes = vec![Node::EMPTY; required_nodes(geometry.len())];
-        let mut order = vec![0; geometry.len()];
-        let mut scratch = vec![BuildItem::EMPTY; geometry.len()];
-        let bvh = structure.map(|structure| {
-            bvh::build(&geometry, structure, &mut nodes, &mut order, &mut scratch).expect("enough room")
-        });
+        let mut room = Room::for_scene(&geometry);
+        let bvh = structure.map(|structure| room.build(&geometry, structure).expect("enough room"));
         look(&Scene::new(SceneParts { bvh, ..self.parts() }).expect("a valid scene"))
+    }
+}
+
+/// Boxed slices for a hierarchy.
+pub(crate) struct Room<R: Real> {
+    pub(crate) nodes: Vec<Node<R>>,
+    pub(crate) sphere_quads: Vec<SphereQuad<R>>,
+    pub(crate) triangle_order: Vec<u32>,
+    pub(crate) scratch: Vec<BuildItem<R>>,
+}
+
+impl<R: Real> Room<R> {
+    /// Room for these numbers of nodes, spheres, triangles and items.
+    pub(crate) fn new([nodes, spheres, triangles, scratch]: [usize; 4]) -> Self {
+        Self {
+            nodes: vec![Node::EMPTY; nodes],
+            sphere_quads: vec![SphereQuad::EMPTY; spheres],
+            triangle_order: vec![0; triangles],
+            scratch: vec![BuildItem::EMPTY; scratch],
+        }
+    }
+
+    /// As much as `geometry` can need.
+    pub(crate) fn for_scene(geometry: &Geometry<'_, R>) -> Self {
+        let (spheres, triangles) = (geometry.spheres().len(), geometry.triangles().len());
+        Self::new([required_nodes(geometry.len()), spheres, triangles, geometry.len()])
+    }
+
+    pub(crate) fn build(
+        &mut self,
+        geometry: &Geometry<'_, R>,
+        structure: Structure,
+    ) -> Result<Bvh<'_, R>, CapacityError> {
+        let Self { nodes, sphere_quads, triangle_order, scratch } = self;
+        bvh::build(geometry, structure, BvhSlices { nodes, sphere_quads, triangle_order }, scratch)
     }
 }
 

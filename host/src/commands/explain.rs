@@ -66,14 +66,13 @@ impl BvhFigures {
             let node = &nodes[at];
             let share = if root_area > 0.0 { node.bounds().half_area().to_f64() / root_area } else { 1.0 };
             figures.deepest = figures.deepest.max(depth);
-            if let Some(leaf) = node.leaf() {
-                figures.leaves += 1;
-                figures.largest_leaf = figures.largest_leaf.max(leaf.len());
-                figures.expected_primitives += share * leaf.len() as f64;
-            }
             if let Some(children) = node.children() {
                 figures.expected_nodes += share;
                 waiting.extend(children.map(|child| (child, depth + 1)));
+            } else {
+                figures.leaves += 1;
+                figures.largest_leaf = figures.largest_leaf.max(node.primitives());
+                figures.expected_primitives += share * node.primitives() as f64;
             }
         }
         figures

@@ -1,9 +1,10 @@
 //! The builder: binned surface area heuristic (Wald 2007), in place, without an allocator and without recursion.
 
-use super::{Bounds, Bvh, MAX_DEPTH, Node, required_nodes};
+use super::node::OF_SPHERES;
+use super::{Bounds, Bvh, BvhSlices, MAX_DEPTH, Node, required_nodes};
 use crate::error::{Capacity, CapacityError};
 use crate::real::{Real, Vector};
-use crate::shape::Geometry;
+use crate::shape::{Geometry, Sphere, SphereQuad};
 
 /// Which structure to build over the primitives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,70 +54,117 @@ const MAX_LEAF_COST: f64 = 8.0;
 /// Below this depth splits halve, which takes at most 32 more levels for 2^31 primitives.
 const HALVE_FROM_DEPTH: usize = MAX_DEPTH - 33;
 
-/// Builds a hierarchy of `geometry` into `nodes` and `order`.
+/// The primitives of a leaf are of one kind.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Spheres,
+    Triangles,
+}
+
+impl Kind {
+    /// Cost of testing `count` primitives, in triangle tests: four spheres cost about as much as one triangle.
+    #[inline]
+    fn cost(self, count: usize) -> f64 {
+        match self {
+            Self::Spheres => count.div_ceil(4) as f64,
+            Self::Triangles => count as f64,
+        }
+    }
+}
+
+/// Builds a hierarchy of `geometry` in the caller's slices.
 ///
 /// The same geometry gives the same hierarchy on every target. Any input will do: equal centres, NaN and infinite
 /// corners; the depth stays within [`MAX_DEPTH`].
 ///
 /// # Errors
-/// [`CapacityError`] where a slice is shorter than [`Structure::required_nodes`] or than the number of primitives.
+/// [`CapacityError`] where a slice is shorter than [`BvhSlices`] says, or the scratch than the number of primitives.
 pub fn build<'a, R: Real>(
     geometry: &Geometry<'_, R>,
     structure: Structure,
-    nodes: &'a mut [Node<R>],
-    order: &'a mut [u32],
+    slices: BvhSlices<'a, R>,
     scratch: &mut [BuildItem<R>],
 ) -> Result<Bvh<'a, R>, CapacityError> {
-    let primitives = geometry.len();
-    let node_count = structure.required_nodes(geometry);
+    let BvhSlices { nodes, sphere_quads, triangle_order } = slices;
+    let (spheres, triangles) = (geometry.spheres().len(), geometry.triangles().len());
     let room = |what, needed, capacity| {
         if needed <= capacity { Ok(()) } else { Err(CapacityError { what, needed, capacity }) }
     };
-    room(Capacity::Nodes, node_count, nodes.len())?;
-    room(Capacity::Order, primitives, order.len())?;
-    room(Capacity::Scratch, primitives, scratch.len())?;
-    if primitives == 0 {
-        return Ok(Bvh { nodes: &[], order: &[] });
-    }
+    room(Capacity::Nodes, structure.required_nodes(geometry), nodes.len())?;
+    room(Capacity::SphereQuads, spheres, sphere_quads.len())?;
+    room(Capacity::TriangleOrder, triangles, triangle_order.len())?;
+    room(Capacity::Scratch, spheres + triangles, scratch.len())?;
 
-    let items = &mut scratch[..primitives];
+    let items = &mut scratch[..spheres + triangles];
     for (index, item) in items.iter_mut().enumerate() {
         *item = BuildItem { bounds: geometry.bounds(index), primitive: index as u32 };
     }
-    let used = match structure {
-        Structure::Box => {
-            let spheres = geometry.spheres().len();
-            let leaf = |first: usize, end: usize| Node {
-                bounds: union(&items[first..end]),
-                first: first as u32,
-                count: (end - first) as u32,
-            };
-            nodes[0] = leaf(0, primitives);
-            if node_count == 3 {
-                nodes[0] = Node { first: 1, count: 0, ..nodes[0] };
-                nodes[1] = leaf(0, spheres);
-                nodes[2] = leaf(spheres, primitives);
-            }
-            node_count
+    // One root for both kinds, if there are both.
+    let both = spheres > 0 && triangles > 0;
+    let (mut used, sphere_root, triangle_root) = if both { (3, 1, 2) } else { (items.len().min(1), 0, 0) };
+    nodes[..used].fill(Node::EMPTY);
+    if both {
+        nodes[0] = Node { bounds: union(items), first: 1, count: 0 };
+    }
+    let (sphere_items, triangle_items) = items.split_at_mut(spheres);
+    let mut quads = 0;
+    if spheres > 0 {
+        used = grow(sphere_items, Kind::Spheres, structure, nodes, sphere_root, used);
+        quads = pack_leaves(sphere_items, geometry.spheres(), &mut nodes[..used], sphere_quads);
+    }
+    if triangles > 0 {
+        used = grow(triangle_items, Kind::Triangles, structure, nodes, triangle_root, used);
+        for (slot, item) in triangle_order.iter_mut().zip(triangle_items.iter()) {
+            *slot = item.primitive;
         }
-        Structure::Bvh => split_all(items, geometry.spheres().len(), nodes),
-    };
-    for (slot, item) in order.iter_mut().zip(items.iter()) {
-        *slot = item.primitive;
     }
-    // In each leaf spheres come first, since they are tested in fours.
-    for leaf in nodes[..used].iter().filter_map(Node::leaf) {
-        order[leaf].sort_unstable();
-    }
-    Ok(Bvh { nodes: &nodes[..used], order: &order[..primitives] })
+    Ok(Bvh {
+        nodes: &nodes[..used],
+        spheres,
+        sphere_quads: &sphere_quads[..quads],
+        triangle_order: &triangle_order[..triangles],
+    })
 }
 
-/// Splits from the root down; returns the number of nodes. Primitives below `spheres` are spheres.
-fn split_all<R: Real>(items: &mut [BuildItem<R>], spheres: usize, nodes: &mut [Node<R>]) -> usize {
-    nodes[0] = Node { bounds: union(items), first: 0, count: items.len() as u32 };
-    let mut used = 1;
+/// Puts the spheres of each leaf side by side, and points the leaf there; returns the number of quads.
+fn pack_leaves<R: Real>(
+    items: &[BuildItem<R>],
+    spheres: &[Sphere<R>],
+    nodes: &mut [Node<R>],
+    quads: &mut [SphereQuad<R>],
+) -> usize {
+    let mut used = 0;
+    for leaf in nodes.iter_mut().filter(|node| node.count > 0) {
+        let first = leaf.first as usize;
+        let items = &items[first..first + leaf.count as usize];
+        *leaf = Node { first: used as u32, count: leaf.count | OF_SPHERES, ..*leaf };
+        for four in items.chunks(4) {
+            let mut numbers = [0; 4];
+            numbers.iter_mut().zip(four).for_each(|(number, item)| *number = item.primitive);
+            quads[used] = SphereQuad::new(spheres, &numbers[..four.len()]);
+            used += 1;
+        }
+    }
+    used
+}
+
+/// Makes `items` the leaf at `root` and splits it down, with nodes from `used` on; returns the number of nodes then.
+fn grow<R: Real>(
+    items: &mut [BuildItem<R>],
+    kind: Kind,
+    structure: Structure,
+    nodes: &mut [Node<R>],
+    root: usize,
+    mut used: usize,
+) -> usize {
+    nodes[root] = Node { bounds: union(items), first: 0, count: items.len() as u32 };
+    if structure == Structure::Box {
+        return used;
+    }
     // Depth first: at each level one sibling waits, so the stack is as deep as the tree.
     let mut waiting = [(0u32, 0u8); MAX_DEPTH + 1];
+    // A root of one kind may lie one below the root of all.
+    waiting[0] = (root as u32, u8::from(root > 0));
     let mut top = 1;
     while top > 0 {
         top -= 1;
@@ -124,7 +172,7 @@ fn split_all<R: Real>(items: &mut [BuildItem<R>], spheres: usize, nodes: &mut [N
         let node = nodes[at as usize];
         let (first, count) = (node.first as usize, node.count as usize);
         let range = &mut items[first..first + count];
-        let Some(left) = split(range, spheres, &node.bounds, depth as usize) else { continue };
+        let Some(left) = split(range, kind, &node.bounds, depth as usize) else { continue };
         let (left_items, right_items) = range.split_at(left);
         let child = |items: &[BuildItem<R>], first: usize| Node {
             bounds: union(items),
@@ -147,7 +195,7 @@ fn union<R: Real>(items: &[BuildItem<R>]) -> Bounds<R> {
 }
 
 /// Reorders the items and says how many go left; `None` where a leaf is better.
-fn split<R: Real>(items: &mut [BuildItem<R>], spheres: usize, bounds: &Bounds<R>, depth: usize) -> Option<usize> {
+fn split<R: Real>(items: &mut [BuildItem<R>], kind: Kind, bounds: &Bounds<R>, depth: usize) -> Option<usize> {
     if items.len() < 2 {
         return None;
     }
@@ -155,12 +203,10 @@ fn split<R: Real>(items: &mut [BuildItem<R>], spheres: usize, bounds: &Bounds<R>
     for item in items.iter() {
         keys.grow(R::Vec3::new(item.key(0), item.key(1), item.key(2)));
     }
-    let mut counts = Counts::default();
-    items.iter().for_each(|item| counts.add(item, spheres));
-    let leaf_cost = counts.cost();
+    let leaf_cost = kind.cost(items.len());
     if depth < HALVE_FROM_DEPTH {
         let best = (0..3)
-            .filter_map(|axis| best_plane(items, spheres, &keys, axis))
+            .filter_map(|axis| best_plane(items, kind, &keys, axis))
             .reduce(|a, b| if b.cost < a.cost { b } else { a });
         if let Some(plane) = best {
             let area = bounds.half_area().to_f64();
@@ -175,31 +221,6 @@ fn split<R: Real>(items: &mut [BuildItem<R>], spheres: usize, bounds: &Bounds<R>
         return None;
     }
     Some(halve(items, &keys))
-}
-
-/// How many primitives of each kind there are.
-#[derive(Clone, Copy, Default)]
-struct Counts {
-    spheres: usize,
-    triangles: usize,
-}
-
-impl Counts {
-    #[inline]
-    fn add<R: Real>(&mut self, item: &BuildItem<R>, spheres: usize) {
-        if (item.primitive as usize) < spheres { self.spheres += 1 } else { self.triangles += 1 }
-    }
-
-    #[inline]
-    fn and(self, other: Self) -> Self {
-        Self { spheres: self.spheres + other.spheres, triangles: self.triangles + other.triangles }
-    }
-
-    /// Cost of testing all of them, in triangle tests: four spheres cost about as much as one triangle.
-    #[inline]
-    fn cost(self) -> f64 {
-        (self.spheres.div_ceil(4) + self.triangles) as f64
-    }
 }
 
 /// Where to cut, and what it costs: areas times costs.
@@ -222,7 +243,7 @@ impl<R: Real> Plane<R> {
 }
 
 /// The cheapest of the planes between bins along `axis`; `None` where all centres fall into one bin.
-fn best_plane<R: Real>(items: &[BuildItem<R>], spheres: usize, keys: &Bounds<R>, axis: usize) -> Option<Plane<R>> {
+fn best_plane<R: Real>(items: &[BuildItem<R>], kind: Kind, keys: &Bounds<R>, axis: usize) -> Option<Plane<R>> {
     let low = keys.corners[0][axis];
     let extent = keys.corners[1][axis] - low;
     let scale = R::from_f64(BINS as f64) / extent;
@@ -230,26 +251,25 @@ fn best_plane<R: Real>(items: &[BuildItem<R>], spheres: usize, keys: &Bounds<R>,
         return None;
     }
     let mut plane = Plane { axis, low, scale, last_left: 0, cost: f64::MAX };
-    let mut bins = [(Bounds::<R>::EMPTY, Counts::default()); BINS];
+    let mut bins = [(Bounds::<R>::EMPTY, 0); BINS];
     for item in items {
-        let (bounds, counts) = &mut bins[plane.bin(item)];
+        let (bounds, count) = &mut bins[plane.bin(item)];
         *bounds = bounds.union(&item.bounds);
-        counts.add(item, spheres);
+        *count += 1;
     }
     // Costs of what lies right of each plane, then a sweep from the left.
     let mut right_costs = [0.0; BINS];
-    let (mut bounds, mut counts) = (Bounds::EMPTY, Counts::default());
+    let (mut bounds, mut count) = (Bounds::EMPTY, 0);
     for bin in (1..BINS).rev() {
         bounds = bounds.union(&bins[bin].0);
-        counts = counts.and(bins[bin].1);
-        right_costs[bin - 1] = bounds.half_area().to_f64() * counts.cost();
+        count += bins[bin].1;
+        right_costs[bin - 1] = bounds.half_area().to_f64() * kind.cost(count);
     }
-    let (mut bounds, mut counts) = (Bounds::EMPTY, Counts::default());
+    let (mut bounds, mut count) = (Bounds::EMPTY, 0);
     for bin in 0..BINS - 1 {
         bounds = bounds.union(&bins[bin].0);
-        counts = counts.and(bins[bin].1);
-        let cost = bounds.half_area().to_f64() * counts.cost() + right_costs[bin];
-        let count = counts.spheres + counts.triangles;
+        count += bins[bin].1;
+        let cost = bounds.half_area().to_f64() * kind.cost(count) + right_costs[bin];
         if count > 0 && count < items.len() && cost < plane.cost {
             plane = Plane { last_left: bin, cost, ..plane };
         }

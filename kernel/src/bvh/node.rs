@@ -1,14 +1,30 @@
 //! A node: 32 bytes in f32.
 
+use core::ops::Range;
+
 use super::Bounds;
 use crate::real::Real;
 
-/// A leaf (`count > 0`: primitives `order[first..first + count]`) or an inner node (children `first`, `first + 1`).
+/// A leaf (`count > 0`) or an inner node (children `first`, `first + 1`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node<R: Real> {
     pub(super) bounds: Bounds<R>,
+    /// Of a leaf: its first in [`super::Bvh::sphere_quads`] or in [`super::Bvh::triangle_order`].
     pub(super) first: u32,
+    /// Number of primitives of a leaf, with [`OF_SPHERES`] if they are spheres.
     pub(super) count: u32,
+}
+
+/// Set in the count of a leaf of spheres.
+pub(super) const OF_SPHERES: u32 = 1 << 31;
+
+/// What a leaf holds: primitives of one kind.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Leaf {
+    /// This range of [`super::Bvh::sphere_quads`].
+    Spheres(Range<usize>),
+    /// This range of [`super::Bvh::triangle_order`].
+    Triangles(Range<usize>),
 }
 
 impl<R: Real> Node<R> {
@@ -20,10 +36,21 @@ impl<R: Real> Node<R> {
         &self.bounds
     }
 
-    /// The range of `order` that a leaf holds; `None` for an inner node.
-    pub fn leaf(&self) -> Option<core::ops::Range<usize>> {
+    /// The number of primitives of a leaf; 0 for an inner node.
+    #[inline]
+    pub fn primitives(&self) -> usize {
+        (self.count & !OF_SPHERES) as usize
+    }
+
+    /// What a leaf holds; `None` for an inner node.
+    #[inline]
+    pub fn leaf(&self) -> Option<Leaf> {
         let first = self.first as usize;
-        (self.count > 0).then(|| first..first + self.count as usize)
+        match self.count {
+            0 => None,
+            count if count < OF_SPHERES => Some(Leaf::Triangles(first..first + count as usize)),
+            _ => Some(Leaf::Spheres(first..first + self.primitives().div_ceil(4))),
+        }
     }
 
     /// The two children of an inner node; `None` for a leaf.

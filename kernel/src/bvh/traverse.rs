@@ -3,7 +3,7 @@
 //! Both are generic over how primitives are found: all of them, or through a hierarchy. The answer is the same bits
 //! either way; see `Geometry::test_all`.
 
-use super::{Bvh, MAX_DEPTH};
+use super::{Bvh, Leaf, MAX_DEPTH};
 use crate::effects::EffectSet;
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::Real;
@@ -18,37 +18,45 @@ pub fn intersect<R: Real, E: EffectSet>(
     bvh: Option<&Bvh<'_, R>>,
     ray: &Ray<R>,
 ) -> Option<Hit<R>> {
-    search::<R, E, false>(geometry, bvh, ray)
+    search::<R, E, false>(geometry, bvh, ray, NO_PRIMITIVE)
 }
 
 /// Whether anything is hit in `tmin < t <= tmax`.
 #[inline]
 pub fn occluded<R: Real, E: EffectSet>(geometry: &Geometry<'_, R>, bvh: Option<&Bvh<'_, R>>, ray: &Ray<R>) -> bool {
-    search::<R, E, true>(geometry, bvh, ray).is_some()
+    search::<R, E, true>(geometry, bvh, ray, NO_PRIMITIVE).is_some()
 }
 
-/// The search behind both: with `ANY` it ends at the first hit.
+/// The search behind both: with `ANY` it ends at the first hit. The sphere `departed`, on whose outside the ray starts,
+/// is left out, since it cannot be met: so nothing changes but the time.
 #[inline(always)]
-fn search<R: Real, E: EffectSet, const ANY: bool>(
+pub(crate) fn search<R: Real, E: EffectSet, const ANY: bool>(
     geometry: &Geometry<'_, R>,
     bvh: Option<&Bvh<'_, R>>,
     ray: &Ray<R>,
+    departed: u32,
 ) -> Option<Hit<R>> {
-    if !ray.is_valid() {
+    // All that the test of a sphere asks for: it finds nothing where something is not finite.
+    if !ray.has_range() {
         return None;
     }
     let mut best = Hit::none(ray.tmax);
-    match bvh.filter(|bvh| bvh.order.len() == geometry.len() && !is_small(geometry, bvh)) {
-        None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray), &mut best),
-        Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &PreparedRay::new_in::<E, true>(ray), &mut best),
+    match bvh.filter(|bvh| bvh.fits(geometry)) {
+        Some(bvh) if is_small(bvh) => {
+            let ray = PreparedRay::new_in::<E, false>(ray, departed);
+            geometry.test_spheres::<E, ANY, ANY, true>(&ray, bvh.sphere_quads, &mut best);
+        }
+        _ if !ray.is_valid() => return None,
+        None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray, departed), &mut best),
+        Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &PreparedRay::new_in::<E, true>(ray, departed), &mut best),
     }
     (best.primitive != NO_PRIMITIVE).then_some(best)
 }
 
 /// Whether all there is are a few spheres in one leaf: a look at its box would cost about as much as they do.
 #[inline(always)]
-fn is_small<R: Real>(geometry: &Geometry<'_, R>, bvh: &Bvh<'_, R>) -> bool {
-    geometry.triangles().is_empty() && bvh.nodes.len() == 1 && geometry.len() <= 16
+fn is_small<R: Real>(bvh: &Bvh<'_, R>) -> bool {
+    bvh.triangle_order.is_empty() && bvh.nodes.len() == 1 && bvh.sphere_quads.len() <= 4
 }
 
 #[inline(always)]
@@ -66,9 +74,13 @@ fn descend<R: Real, E: EffectSet, const ANY: bool>(
     let mut waiting = [(0u32, R::ZERO); MAX_DEPTH];
     let mut top = 0;
     loop {
-        if node.count > 0 {
-            let first = node.first as usize;
-            geometry.test_leaf::<E, ANY>(ray, &bvh.order[first..first + node.count as usize], best);
+        if let Some(leaf) = node.leaf() {
+            match leaf {
+                Leaf::Spheres(range) => {
+                    geometry.test_spheres::<E, ANY, true, false>(ray, &bvh.sphere_quads[range], best)
+                }
+                Leaf::Triangles(range) => geometry.test_triangles::<E, ANY>(ray, &bvh.triangle_order[range], best),
+            }
             if ANY && best.primitive != NO_PRIMITIVE {
                 return;
             }
@@ -108,5 +120,67 @@ fn descend<R: Real, E: EffectSet, const ANY: bool>(
                 break;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Everything;
+    use crate::real::{Vec3, Vector, vec3_from_f64};
+    use crate::robust::{normalize, offset_along_normal};
+    use crate::shape::Sphere;
+
+    /// Numbers in -1..1 that look random.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 1u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    fn leaving_out_the_departed_sphere_changes_nothing<R: Real>() {
+        let mut next = numbers();
+        for (distance, radius) in [(0.0, 1.0), (3.0, 1e-3), (1000.0, 940.0), (1e5, 1e5 - 1.0), (1e4, 10.0)] {
+            let center = vec3_from_f64::<R>([distance, 0.1 * distance, 0.0]);
+            let spheres = [Sphere { center, radius: R::from_f64(radius), material: 0, inverted: false }];
+            let geometry = Geometry::new(&spheres, &[], &[]).unwrap();
+            for k in 0..2000 {
+                let mut direction = || normalize::<R>(vec3_from_f64::<R>([next(), next(), next()]));
+                let outward = direction();
+                let origin = center + outward * R::from_f64(radius * 3.0);
+                let Some(hit) = intersect::<R, Everything>(&geometry, None, &Ray::new(origin, -outward)) else {
+                    panic!("{outward:?} misses");
+                };
+                let point = spheres[0].point_at(&Ray::new(origin, -outward), hit.t);
+                let from = offset_along_normal::<R>(point.p, point.p_error, point.outward);
+                // Every other one leaves along the surface, or nearly so.
+                let aside = point.outward.cross(direction());
+                let graze = R::from_f64(if k % 4 == 1 { 1e-7 } else { 0.0 });
+                let any = direction();
+                let wi: Vec3<R> = match k % 2 {
+                    0 if any.dot(point.outward) < R::ZERO => -any,
+                    0 => any,
+                    _ => normalize::<R>(aside + point.outward * graze),
+                };
+                if !(wi.dot(point.outward) > R::ZERO) {
+                    continue;
+                }
+                let ray = Ray::new(from, wi);
+                assert_eq!(search::<R, Everything, false>(&geometry, None, &ray, NO_PRIMITIVE), None, "{ray:?}");
+                assert_eq!(search::<R, Everything, false>(&geometry, None, &ray, 0), None);
+            }
+        }
+    }
+
+    #[test]
+    fn leaving_out_the_departed_sphere_changes_nothing_f32() {
+        leaving_out_the_departed_sphere_changes_nothing::<f32>();
+    }
+
+    #[test]
+    fn leaving_out_the_departed_sphere_changes_nothing_f64() {
+        leaving_out_the_departed_sphere_changes_nothing::<f64>();
     }
 }

@@ -11,7 +11,7 @@ pub use sphere::{LightSampling, SphereLight};
 use crate::effects::{EffectSet, Effects};
 use crate::material::diffuse;
 use crate::path::PathOptions;
-use crate::ray::Ray;
+use crate::ray::{Departure, Ray};
 use crate::real::{Real, Vec3, Vector};
 use crate::robust::shadow_tmax;
 use crate::scene::Scene;
@@ -38,7 +38,7 @@ pub struct LightSample<R: Real> {
 }
 
 /// The light that reaches a diffuse surface of albedo 1 and leaves it toward the viewer: the sum over all lights.
-/// Shadow rays start at `origin`, which is off the surface on the viewer's side.
+/// Shadow rays start at `departure`, on the viewer's side.
 ///
 /// Every light uses the same two numbers, moved by a constant of its own around the unit square: each estimate is
 /// unbiased by itself, hence so is the sum. Adds the shadow rays to `rays`.
@@ -48,7 +48,7 @@ pub(crate) fn direct<R: Real, E: EffectSet>(
     options: &PathOptions,
     point: &SurfacePoint<R>,
     facing: &Facing<R>,
-    origin: Vec3<R>,
+    departure: &Departure<R>,
     numbers: [u32; 4],
     rays: &mut u32,
 ) -> Vec3<R> {
@@ -70,9 +70,9 @@ pub(crate) fn direct<R: Real, E: EffectSet>(
         if cosine == R::ZERO {
             continue;
         }
-        let shadow = Ray { tmax: shadow_tmax::<R>(), ..Ray::new(origin, sampled.target - origin) };
+        let shadow = Ray { tmax: shadow_tmax::<R>(), ..Ray::new(departure.origin, sampled.target - departure.origin) };
         *rays += 1;
-        if !scene.occluded_in::<E>(&shadow) {
+        if !scene.occluded_from::<E>(&shadow, departure.sphere) {
             sum = sum + sampled.weight * (cosine * R::from_f64(core::f64::consts::FRAC_1_PI));
         }
     }

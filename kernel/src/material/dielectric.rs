@@ -30,7 +30,7 @@ pub(crate) fn sample<R: Real>(
     model: Fresnel,
     choice: u32,
 ) -> BsdfSample<R> {
-    let Facing { ng, ns } = *facing;
+    let Facing { ng, ns, .. } = *facing;
     let choice = R::Wide::from_unit_bits(choice);
     let entering = point.wo.dot(point.ng) >= R::ZERO;
     let (ior_i, ior_t) =

@@ -11,6 +11,7 @@ use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, widen};
 
 pub use sphere::Sphere;
+pub use sphere_quad::SphereQuad;
 pub use triangle::{Shear, TriangleAttributes};
 
 /// Squared lengths of directions between which products of coordinates neither over- nor underflow where it matters:
@@ -26,6 +27,8 @@ pub struct PreparedRay<R: Real> {
     pub origin: [R; 3],
     /// Exclusive lower end of t.
     pub tmin: R,
+    /// The sphere that the ray starts on the outside of, and cannot meet again; `NO_PRIMITIVE` if there is none.
+    departed: u32,
     direction: [R; 3],
     /// The squared length of the direction; NaN where that or its reciprocal is far from 1.
     square: R,
@@ -41,12 +44,12 @@ impl<R: Real> PreparedRay<R> {
     /// Computes what the tests share.
     #[inline]
     pub fn new(ray: &Ray<R>) -> Self {
-        Self::new_in::<Everything, true>(ray)
+        Self::new_in::<Everything, true>(ray, NO_PRIMITIVE)
     }
 
     /// [`PreparedRay::new`] for a kernel of fewer effects. Without `BOXES` it is for [`Geometry::test_all`] alone.
     #[inline(always)]
-    pub(crate) fn new_in<E: EffectSet, const BOXES: bool>(ray: &Ray<R>) -> Self {
+    pub(crate) fn new_in<E: EffectSet, const BOXES: bool>(ray: &Ray<R>, departed: u32) -> Self {
         // Triangles are always tested against their own box, and so are spheres where `Sphere::has_in_box` says no.
         let boxes = const { BOXES || R::WIDE_IS_SELF || E::EFFECTS.contains(Effects::TRIANGLES) };
         let direction = ray.direction.to_array();
@@ -60,6 +63,7 @@ impl<R: Real> PreparedRay<R> {
             slabs: Slabs::new(ray.origin.to_array(), inverse),
             origin: ray.origin.to_array(),
             tmin: ray.tmin,
+            departed,
             direction,
             square: if usual { square } else { R::NAN },
             inverse_square: if usual { R::narrow(wide_inverse_square) } else { R::NAN },
@@ -155,16 +159,18 @@ impl<'a, R: Real> Geometry<'a, R> {
         }
     }
 
-    /// Tests all primitives and makes the best hit of those that win. With `ANY` it may stop at the first.
+    /// Tests all primitives, one by one, and makes the best hit of those that win. With `ANY` it may stop at the first.
     ///
     /// A hit counts only where the ray also meets the primitive's own box, and no nearer than that box: so a box
     /// around several primitives, which is entered no later than each of theirs, can never cull the winner.
     #[inline(always)]
     pub(crate) fn test_all<E: EffectSet, const ANY: bool>(&self, ray: &PreparedRay<R>, best: &mut Hit<R>) {
         if const { E::EFFECTS.contains(Effects::SPHERES) } {
-            self.test_spheres::<_, ANY, ANY>(ray, self.spheres, |sphere| sphere, |at, _| at as u32, best);
-            if ANY && best.primitive != NO_PRIMITIVE {
-                return;
+            for index in (0..self.spheres.len() as u32).filter(|&index| index != ray.departed) {
+                self.test_sphere(ray, index, best);
+                if ANY && best.primitive != NO_PRIMITIVE {
+                    return;
+                }
             }
         }
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
@@ -177,24 +183,14 @@ impl<'a, R: Real> Geometry<'a, R> {
         }
     }
 
-    /// [`Geometry::test_all`] for the primitives of a leaf, in ascending order.
+    /// [`Geometry::test_all`] for some of the triangles.
     #[inline(always)]
-    pub(crate) fn test_leaf<E: EffectSet, const ANY: bool>(
+    pub(crate) fn test_triangles<E: EffectSet, const ANY: bool>(
         &self,
         ray: &PreparedRay<R>,
-        leaf: &[u32],
+        triangles: &[u32],
         best: &mut Hit<R>,
     ) {
-        let mut triangles = leaf;
-        if const { E::EFFECTS.contains(Effects::SPHERES) } {
-            let count = leaf.iter().take_while(|&&index| (index as usize) < self.spheres.len()).count();
-            let spheres;
-            (spheres, triangles) = leaf.split_at(count);
-            self.test_spheres::<_, ANY, true>(ray, spheres, |&at| &self.spheres[at as usize], |_, &index| index, best);
-            if ANY && best.primitive != NO_PRIMITIVE {
-                return;
-            }
-        }
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
             for &index in triangles {
                 self.test_triangle(ray, index, best);
@@ -205,61 +201,63 @@ impl<'a, R: Real> Geometry<'a, R> {
         }
     }
 
-    /// Tests the spheres that `items` name: all in fours, then what is left one by one. `NARROWED` says whether the
-    /// end of the ray is worth a look: not in the search for the closest before anything was hit.
+    /// [`Geometry::test_all`] for some of the spheres: all in fours, then what is left one by one. `NARROWED` says
+    /// whether the end of the ray is worth a look: not in the search for the closest before anything was hit.
+    /// `SINGLE` says that the quads are those of the only leaf there is, where they hold all spheres in order.
     #[inline(always)]
-    fn test_spheres<'s, I, const ANY: bool, const NARROWED: bool>(
-        &'s self,
+    pub(crate) fn test_spheres<E: EffectSet, const ANY: bool, const NARROWED: bool, const SINGLE: bool>(
+        &self,
         ray: &PreparedRay<R>,
-        items: &'s [I],
-        sphere: impl Fn(&'s I) -> &'s Sphere<R>,
-        primitive: impl Fn(usize, &I) -> u32,
+        quads: &[SphereQuad<R>],
         best: &mut Hit<R>,
     ) {
-        // One bit for each sphere of a group.
-        for (group, first) in items.chunks(32).zip((0..).step_by(32)) {
+        if const { !E::EFFECTS.contains(Effects::SPHERES) } {
+            return;
+        }
+        // One bit for each sphere of eight quads.
+        for quads in quads.chunks(8) {
             let end = if NARROWED { Some(best.t) } else { None };
             let mut candidates = 0;
-            for start in (0..group.len()).step_by(4) {
-                // The last four may overlap those before them: then some bits are found twice.
-                let start = start.min(group.len().saturating_sub(4));
-                let four = match &group[start..] {
-                    [a, b, c, d, ..] => [a, b, c, d],
-                    // The first stands in for those that are missing; their bits are masked out.
-                    [a, rest @ ..] => [a, rest.first().unwrap_or(a), rest.get(1).unwrap_or(a), a],
-                    [] => break,
-                };
-                candidates |= sphere_quad::candidates(ray, four.map(&sphere), end) << start;
+            for (quad, shift) in quads.iter().zip((0..).step_by(4)) {
+                candidates |= quad.candidates(ray, end) << shift;
             }
-            candidates &= u32::MAX >> (32 - group.len());
+            if const { SINGLE } {
+                candidates &= !1u32.checked_shl(ray.departed).unwrap_or(0);
+            }
             while candidates != 0 {
                 let at = candidates.trailing_zeros() as usize;
                 candidates &= candidates - 1;
-                let item = &group[at];
-                let sphere = sphere(item);
-                if let Some(t) = sphere.intersect(ray, best.t) {
-                    let found = Hit { t, u: R::ZERO, v: R::ZERO, primitive: primitive(first + at, item) };
-                    if sphere.has_in_box(ray, t) {
-                        best.keep_closer(found);
-                    } else if const { R::WIDE_IS_SELF } {
-                        accept(sphere.bounds().entry(ray, best.t), found, best);
-                    } else {
-                        let near = entry_apart(sphere.bounds(), ray.origin, ray.direction, ray.tmin, best.t);
-                        accept(near, found, best);
-                    }
-                    if ANY && best.primitive != NO_PRIMITIVE {
-                        return;
-                    }
+                let index = quads[at / 4].primitives()[at % 4];
+                if const { !SINGLE } && index == ray.departed {
+                    continue;
+                }
+                self.test_sphere(ray, index, best);
+                if ANY && best.primitive != NO_PRIMITIVE {
+                    return;
                 }
             }
         }
     }
 
     #[inline(always)]
+    fn test_sphere(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
+        let sphere = &self.spheres[index as usize];
+        if let Some(t) = sphere.intersect(ray, best.t) {
+            let found = Hit { t, u: R::ZERO, v: R::ZERO, primitive: index };
+            if sphere.has_in_box(ray, t) {
+                best.keep_closer(found);
+            } else if const { R::WIDE_IS_SELF } {
+                accept(sphere.bounds().entry(ray, best.t), found, best);
+            } else {
+                let near = entry_apart(sphere.bounds(), ray.origin, ray.direction, ray.tmin, best.t);
+                accept(near, found, best);
+            }
+        }
+    }
+
+    #[inline(always)]
     fn test_triangle(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
-        // A kernel without spheres that is given a scene with some must not mistake one for a triangle.
-        let Some(at) = (index as usize).checked_sub(self.spheres.len()) else { return };
-        let corners = self.corners(at);
+        let corners = self.corners(index as usize - self.spheres.len());
         if let Some((t, u, v)) = triangle::intersect(&corners, ray, best.t) {
             accept(triangle::bounds(&corners).entry(ray, best.t), Hit { t, u, v, primitive: index }, best);
         }
