@@ -151,8 +151,8 @@ fn scene_errors<R: Real>() {
     let mut scene = base();
     scene.sphere([3.0; 3], 1.0, 0);
     let error = Scene::new(SceneParts { bvh: Some(bvh), ..scene.parts() }).expect_err("another geometry");
-    assert_says(&error, &["BVH", "13 triangles", "1 and 13", "build it again"]);
-    assert_says(&error, &["BVH", "13", "14", "build it again"]);
+    assert_eq!(error, SceneError::Bvh { built_for: [1, 12], primitives: [2, 12] });
+    assert_says(&error, &["BVH", "1 spheres and 12 triangles", "2 and 12", "build it again"]);
 }
 
 const RED: Texture<'static> = Texture { width: 1, height: 1, texels: &[[1.0, 0.0, 0.0]] };

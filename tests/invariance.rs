@@ -5,6 +5,7 @@ use std::ops::Range;
 use ocellus::assemble::{Accel, with_view};
 use ocellus::description::SceneDescription;
 use ocellus::film::{Film, Region};
+use ocellus::isa::{Isa, IsaChoice};
 use ocellus::kernels::{EffectChoice, TABLE, TableReal};
 use ocellus::render::{RenderSettings, Unmonitored, render};
 use ocellus_kernel::bvh::{BuildItem, BvhStorage, Structure, required_nodes};
@@ -48,6 +49,23 @@ fn structures_change_no_bit() {
             .image_hash()
         });
         assert_eq!((none, one_box), (bvh, bvh), "{what}");
+    });
+}
+
+#[test]
+fn instruction_sets_change_no_bit() {
+    if Isa::available().count() == 1 {
+        println!("skipped: this machine has no instructions beyond the baseline");
+        return;
+    }
+    for_each_scene(|what, description, settings| {
+        let [baseline, avx2] = [IsaChoice::Baseline, IsaChoice::Avx2].map(|isa| {
+            film(description, |own| {
+                settings(own);
+                own.isa = isa;
+            })
+        });
+        assert_eq!(baseline, avx2, "{what}");
     });
 }
 

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use addr2line::Loader;
 use iced_x86::{Decoder, DecoderOptions};
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
+use ocellus::isa::Isa;
 use ocellus::kernels::{Row, TABLE, TableReal};
 
 /// Source files and functions that code can come from, by the effect that they belong to.
@@ -78,8 +79,8 @@ impl Program {
 }
 
 /// The effects whose code is found in a row's kernel.
-fn traces<R: TableReal>(program: &Program, row: &Row) -> BTreeSet<&'static str> {
-    let sources = program.sources(R::kernel(row) as usize as u64 - program.load_offset);
+fn traces<R: TableReal>(program: &Program, row: &Row, isa: Isa) -> BTreeSet<&'static str> {
+    let sources = program.sources(R::kernels(row).of_isa(isa) as usize as u64 - program.load_offset);
     assert!(sources.iter().any(|source| source.contains("kernel/src/path.rs")), "{}: not a kernel", row.name);
     let found = |trace: &str| sources.iter().any(|source| source.contains(trace));
     TRACES.iter().filter(|(_, trace)| found(trace)).map(|(effect, _)| *effect).collect()
@@ -92,7 +93,9 @@ fn kernels_hold_the_code_of_their_own_effects_and_no_other() {
     for row in TABLE {
         let own: BTreeSet<&str> = row.effects.names().filter(|name| all.contains(name)).collect();
         println!("{}: code of {own:?} expected", row.name);
-        assert_eq!(traces::<f32>(&program, row), own, "{} in f32", row.name);
-        assert_eq!(traces::<f64>(&program, row), own, "{} in f64", row.name);
+        for isa in [Isa::Baseline, Isa::Avx2] {
+            assert_eq!(traces::<f32>(&program, row, isa), own, "{} in f32, {isa}", row.name);
+            assert_eq!(traces::<f64>(&program, row, isa), own, "{} in f64, {isa}", row.name);
+        }
     }
 }

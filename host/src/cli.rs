@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::assemble::Accel;
 use crate::diff::Metric;
 use crate::film::Region;
+use crate::isa::IsaChoice;
 use crate::kernels::EffectChoice;
 use crate::render::Precision;
 
@@ -58,6 +59,9 @@ pub struct SceneArgs {
     /// Use the smallest kernel that covers the scene, or the one that can do everything; the picture is the same.
     #[arg(long, value_enum, default_value = "auto")]
     pub effects: EffectChoice,
+    /// Instructions that the kernel may use; the picture is the same.
+    #[arg(long, value_enum, default_value = "auto")]
+    pub isa: IsaChoice,
     /// Print one JSON object on standard output.
     #[arg(long)]
     pub json: bool,

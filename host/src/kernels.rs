@@ -8,19 +8,20 @@ use std::ops::Range;
 use ocellus_kernel::{EffectSet, Effects, Everything, Pixel, Real, View, Work};
 
 use crate::error::Error;
+use crate::isa::{self, Isa};
 
 /// A kernel: adds samples to a stretch of pixels ([`View::render`]).
 pub type Kernel<R> = fn(&View<'_, R>, u32, u32, Range<u32>, &mut [Pixel]) -> Work;
 
-/// One effect set, compiled for both precisions.
+/// One effect set, compiled for both precisions and each instruction set.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Its name in `explain` and `--json`.
     pub name: &'static str,
     /// What it can do.
     pub effects: Effects,
-    f32: Kernel<f32>,
-    f64: Kernel<f64>,
+    f32: Kernels<f32>,
+    f64: Kernels<f64>,
 }
 
 /// Which kernels a render may use.
@@ -35,20 +36,71 @@ pub enum EffectChoice {
 
 /// A precision that the table has a column for.
 pub trait TableReal: Real {
-    /// The row's kernel in this precision.
-    fn kernel(row: &Row) -> Kernel<Self>;
+    /// The row's kernels in this precision.
+    fn kernels(row: &Row) -> &Kernels<Self>;
 }
 
 impl TableReal for f32 {
-    fn kernel(row: &Row) -> Kernel<f32> {
-        row.f32
+    fn kernels(row: &Row) -> &Kernels<f32> {
+        &row.f32
     }
 }
 
 impl TableReal for f64 {
-    fn kernel(row: &Row) -> Kernel<f64> {
-        row.f64
+    fn kernels(row: &Row) -> &Kernels<f64> {
+        &row.f64
     }
+}
+
+/// One effect set in one precision, for each instruction set.
+#[derive(Clone, Copy, Debug)]
+pub struct Kernels<R: Real> {
+    baseline: Kernel<R>,
+    avx2: Kernel<R>,
+}
+
+impl<R: Real> Kernels<R> {
+    const fn of<E: EffectSet>() -> Self {
+        Self { baseline: render::<R, E>, avx2: render_with_avx2::<R, E> }
+    }
+
+    /// The one for these instructions.
+    pub fn of_isa(&self, isa: Isa) -> Kernel<R> {
+        match isa {
+            Isa::Baseline => self.baseline,
+            Isa::Avx2 => self.avx2,
+        }
+    }
+}
+
+/// [`render`] with AVX2 where the machine has it.
+#[inline(never)]
+fn render_with_avx2<R: Real, E: EffectSet>(
+    view: &View<'_, R>,
+    x: u32,
+    y: u32,
+    samples: Range<u32>,
+    pixels: &mut [Pixel],
+) -> Work {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2")]
+        fn render_avx2<R: Real, E: EffectSet>(
+            view: &View<'_, R>,
+            x: u32,
+            y: u32,
+            samples: Range<u32>,
+            pixels: &mut [Pixel],
+        ) -> Work {
+            view.render::<E>(x, y, samples, pixels)
+        }
+
+        if isa::has_avx2() {
+            // SAFETY: the machine has what the function was compiled for.
+            return unsafe { render_avx2::<R, E>(view, x, y, samples, pixels) };
+        }
+    }
+    render::<R, E>(view, x, y, samples, pixels)
 }
 
 /// The body of every row: a function of its own per precision and effect set, so that profiles and disassembly show
@@ -65,7 +117,7 @@ fn render<R: Real, E: EffectSet>(
 }
 
 const fn row<E: EffectSet>(name: &'static str) -> Row {
-    Row { name, effects: E::EFFECTS, f32: render::<f32, E>, f64: render::<f64, E> }
+    Row { name, effects: E::EFFECTS, f32: Kernels::of::<E>(), f64: Kernels::of::<E>() }
 }
 
 macro_rules! table {

@@ -14,6 +14,7 @@ pub mod error;
 pub mod film;
 pub mod input;
 pub mod interrupt;
+pub mod isa;
 pub mod kernels;
 pub mod load;
 pub mod output;

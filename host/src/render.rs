@@ -11,7 +11,8 @@ use crate::assemble::{Accel, SetupReport, with_view};
 use crate::description::SceneDescription;
 use crate::error::Error;
 use crate::film::{Film, Region};
-use crate::kernels::{EffectChoice, Row, TableReal, select};
+use crate::isa::{Isa, IsaChoice};
+use crate::kernels::{EffectChoice, Kernel, Row, TableReal, select};
 
 /// Precision of all geometry and light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -47,6 +48,8 @@ pub struct RenderSettings {
     pub accel: Accel,
     /// Which kernels may be used.
     pub effects: EffectChoice,
+    /// Which instructions may be used.
+    pub isa: IsaChoice,
 }
 
 impl RenderSettings {
@@ -60,6 +63,7 @@ impl RenderSettings {
             precision: Precision::default(),
             accel: Accel::default(),
             effects: EffectChoice::default(),
+            isa: IsaChoice::default(),
         }
     }
 }
@@ -75,6 +79,8 @@ pub struct Rendering {
     pub required: Effects,
     /// The kernel that was used.
     pub row: &'static Row,
+    /// The instructions it was compiled for.
+    pub isa: Isa,
     /// Worker threads.
     pub threads: usize,
     /// What setting up took.
@@ -143,15 +149,18 @@ fn render_in<R: TableReal>(
     with_view::<R, _>(description, settings.accel, |view, setup| {
         let required = view.required_effects();
         let row = select(required, settings.effects)?;
+        let isa = Isa::select(settings.isa)?;
         let mut film = Film::try_new(region)
             .map_err(|error| Error::usage(error.to_string(), "ask for a smaller --size, or for parts with --crop"))?;
         let start = Instant::now();
-        let (work, interrupted) = pool.install(|| passes(view, row, &settings.samples, &mut film, monitor));
+        let (work, interrupted) =
+            pool.install(|| passes(view, R::kernels(row).of_isa(isa), &settings.samples, &mut film, monitor));
         Ok(Rendering {
             film,
             work,
             required,
             row,
+            isa,
             threads: pool.current_num_threads(),
             setup: *setup,
             trace_seconds: start.elapsed().as_secs_f64(),
@@ -163,13 +172,12 @@ fn render_in<R: TableReal>(
 /// Renders pass after pass of all rows; returns the work done and whether it was stopped.
 fn passes<R: TableReal>(
     view: &View<'_, R>,
-    row: &Row,
+    kernel: Kernel<R>,
     samples: &Range<u32>,
     film: &mut Film,
     monitor: &impl Monitor,
 ) -> (Work, bool) {
     let region = film.region();
-    let kernel = R::kernel(row);
     let interrupted = AtomicBool::new(false);
     let mut work = Work::default();
     let mut start = samples.start;

@@ -58,7 +58,7 @@ pub struct PathSample<R: Real> {
 }
 
 /// Follows one path from `ray` through `scene`. The sampler stands at vertex 0, whose numbers made the ray.
-#[inline]
+#[inline(always)]
 pub fn radiance<R: Real, E: EffectSet>(
     scene: &Scene<'_, R>,
     options: &PathOptions,
@@ -141,7 +141,9 @@ pub fn radiance<R: Real, E: EffectSet>(
                 None => break,
             }
         }
-        sees_lights = sample.delta || options.light_sampling == LightSampling::None;
+        let by_chance =
+            const { E::EFFECTS.contains(Effects::SPHERE_LIGHT) } && options.light_sampling == LightSampling::None;
+        sees_lights = sample.delta || by_chance;
         ray = Ray::new(departure.origin, sample.wi);
     }
     PathSample { radiance, rays }

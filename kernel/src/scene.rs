@@ -150,13 +150,13 @@ impl<'a, R: Real> Scene<'a, R> {
     }
 
     /// [`Scene::intersect_in`] for a ray that starts on the outside of the sphere `departed`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn intersect_from<E: EffectSet>(&self, ray: &Ray<R>, departed: u32) -> Option<Hit<R>> {
         bvh::search::<R, E, false>(&self.parts.geometry, self.bvh(), ray, departed)
     }
 
     /// [`Scene::occluded_in`] for a ray that starts on the outside of the sphere `departed`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn occluded_from<E: EffectSet>(&self, ray: &Ray<R>, departed: u32) -> bool {
         bvh::search::<R, E, true>(&self.parts.geometry, self.bvh(), ray, departed).is_some()
     }

@@ -45,13 +45,13 @@ impl<R: Real> View<'_, R> {
     }
 
     /// Sample number `sample` of the pixel in column `x` and row `y`, with the kernel's own numbers.
-    #[inline]
+    #[inline(always)]
     pub fn sample<E: EffectSet>(&self, x: u32, y: u32, sample: u32) -> PathSample<R> {
         self.sample_with::<E>(x, y, &mut AddressedSampler::new(self.options.seed, x, y, sample))
     }
 
     /// One sample of a pixel with numbers from anywhere.
-    #[inline]
+    #[inline(always)]
     pub fn sample_with<E: EffectSet>(&self, x: u32, y: u32, sampler: &mut impl Sampler) -> PathSample<R> {
         sampler.begin_vertex(0);
         let ray = self.camera.ray::<E>(x, y, sampler.numbers(Block::Scatter));
@@ -62,6 +62,10 @@ impl<R: Real> View<'_, R> {
     ///
     /// The result depends on nothing but the view and the sample numbers: not on the order of calls, on how pixels
     /// and samples are split among them, or on `E`, as long as it has the view's [`View::required_effects`].
+    ///
+    /// All of the loop is inlined, so that a function that is compiled for more instructions than the target's baseline
+    /// uses them throughout.
+    #[inline(always)]
     pub fn render<E: EffectSet>(&self, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work {
         let mut work = Work::default();
         for (offset, pixel) in pixels.iter_mut().enumerate() {

@@ -14,6 +14,7 @@ use crate::cli::SceneArgs;
 use crate::demand::{Demand, demands};
 use crate::description::SceneDescription;
 use crate::error::{Error, ExitCode};
+use crate::isa::Isa;
 use crate::kernels::{Row, TABLE, TableReal, select};
 use crate::render::Precision;
 
@@ -40,6 +41,7 @@ struct Explanation<'a> {
     scene: &'a SceneDescription,
     demands: Vec<Demand>,
     row: &'static Row,
+    isa: Isa,
     setup: SetupReport,
     bvh: Option<BvhFigures>,
     film_bytes: usize,
@@ -86,6 +88,7 @@ fn explain<'a, R: TableReal>(args: &'a SceneArgs, scene: &'a SceneDescription) -
             scene,
             demands: demands(scene),
             row: select(view.required_effects(), args.effects)?,
+            isa: Isa::select(args.isa)?,
             setup: *setup,
             bvh: view.scene.bvh().map(|bvh| BvhFigures::of(bvh.nodes())),
             film_bytes: scene.film.width as usize * scene.film.height as usize * size_of::<Pixel>(),
@@ -128,10 +131,11 @@ impl Explanation<'_> {
         let needed = if on == has { "all needed".to_owned() } else { format!("{on} needed") };
         writeln!(
             out,
-            "kernel   {} in {}, {} ({needed}); one of {all} kernels",
+            "kernel   {} in {}, {} ({needed}); one of {all} kernels; {} instructions",
             self.row.name,
             self.args.precision,
             counted(has as u64, "effect"),
+            self.isa,
         )?;
 
         writeln!(out, "\neffects that are on, and the lines that ask for them")?;
@@ -196,6 +200,7 @@ impl Explanation<'_> {
             "scene": self.args.scene.display().to_string(),
             "precision": self.args.precision.to_string(),
             "kernel": self.row.name,
+            "isa": self.isa.to_string(),
             "kernel_effects": self.row.effects.names().collect::<Vec<_>>(),
             "effects": effects,
             "primitives": self.setup.primitives,

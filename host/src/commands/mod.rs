@@ -43,18 +43,3 @@ fn load(args: &SceneArgs) -> Result<SceneDescription, Error> {
     }
     Ok(scene)
 }
-
-/// What vectors of code this program was compiled for.
-fn instruction_set() -> &'static str {
-    if cfg!(target_feature = "avx512f") {
-        "avx512"
-    } else if cfg!(target_feature = "avx2") {
-        "avx2"
-    } else if cfg!(target_feature = "sse2") {
-        "sse2"
-    } else if cfg!(target_feature = "neon") {
-        "neon"
-    } else {
-        "scalar"
-    }
-}

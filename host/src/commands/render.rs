@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::load;
 use super::streams::{print, tell};
 use super::words::{abridged, counted, duration};
-use super::{instruction_set, load};
 use crate::cli::RenderArgs;
 use crate::description::SceneDescription;
 use crate::error::{Error, ExitCode};
@@ -97,6 +97,7 @@ fn settings(args: &RenderArgs, scene: &SceneDescription) -> RenderSettings {
         precision: args.scene.precision,
         accel: args.scene.accel,
         effects: args.scene.effects,
+        isa: args.scene.isa,
     }
 }
 
@@ -125,7 +126,7 @@ fn report(
         "precision": settings.precision.to_string(),
         "accel": settings.accel.to_string(),
         "threads": rendering.threads,
-        "isa": instruction_set(),
+        "isa": rendering.isa.to_string(),
         "load_seconds": load_seconds,
         "setup_seconds": rendering.setup.seconds,
         "trace_seconds": rendering.trace_seconds,

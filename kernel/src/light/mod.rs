@@ -42,7 +42,7 @@ pub struct LightSample<R: Real> {
 ///
 /// Every light uses the same two numbers, moved by a constant of its own around the unit square: each estimate is
 /// unbiased by itself, hence so is the sum. Adds the shadow rays to `rays`.
-#[inline]
+#[inline(always)]
 pub(crate) fn direct<R: Real, E: EffectSet>(
     scene: &Scene<'_, R>,
     options: &PathOptions,
