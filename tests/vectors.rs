@@ -14,6 +14,7 @@ use crate::support::property::{component, direction, for_all, power_of_two};
 use crate::support::random::Random;
 use crate::support::scene::{OwnedScene, corners, v};
 use crate::support::tolerance::{self, u};
+use crate::support::trials::{Trials, trials};
 
 in_both_precisions!(
     dot_and_cross_keep_their_order,
@@ -147,8 +148,8 @@ fn spawn<R: Real>(
 /// Oracle: a ray that leaves a plane never meets it again.
 fn spawned_rays_leave_triangles<R: Real>() {
     let mut random = Random::new(1);
-    let mut spawned = 0;
-    for _ in 0..100_000 {
+    let met = Trials::of::<R>("N21", "rays that leave triangles");
+    for _ in 0..trials(100_000) {
         let size = libm::exp(random.between(-9.2, 13.8));
         let mut scene = OwnedScene::<R>::default();
         let grey = scene.diffuse(0.5, 0.0);
@@ -158,19 +159,18 @@ fn spawned_rays_leave_triangles<R: Real>() {
         let target = a * weights[0] + b * weights[1] + c * weights[2];
         scene.lend(None, |scene| {
             let Some((_, ray)) = spawn::<R>(&mut random, scene, target, size) else { return };
-            spawned += 1;
             let again = scene.intersect(&ray);
-            assert!(again.is_none(), "{:?} meets {:?} again: {again:?}", ray, corners(scene.geometry(), 0));
+            met.holds(again.is_none(), || format!("{ray:?} meets {:?}: {again:?}", corners(scene.geometry(), 0)));
         });
     }
-    assert!(spawned > 80_000, "only {spawned} rays had a place to start from");
+    met.end(80_000);
 }
 
 /// Oracle: a ray that leaves a sphere outward never meets it again; one that goes inward crosses the whole chord.
 fn spawned_rays_leave_spheres<R: Real>() {
     let mut random = Random::new(2);
-    let mut judged = 0;
-    for _ in 0..100_000 {
+    let met = Trials::of::<R>("N22", "rays that leave spheres, outward and inward");
+    for _ in 0..trials(100_000) {
         let size = libm::exp(random.between(-9.2, 13.8));
         let mut scene = OwnedScene::<R>::default();
         let grey = scene.diffuse(0.5, 0.0);
@@ -186,18 +186,17 @@ fn spawned_rays_leave_spheres<R: Real>() {
             if cosine.abs() < tolerance::GRAZING * u::<R>() * coordinates / size {
                 return;
             }
-            judged += 1;
             let again = scene.intersect(&ray);
             if cosine > 0.0 {
-                assert!(again.is_none(), "{ray:?} meets {:?} again: {again:?}", scene.geometry().spheres());
+                met.holds(again.is_none(), || format!("{ray:?} meets {:?}: {again:?}", scene.geometry().spheres()));
             } else {
                 let chord = -2.0 * cosine * size;
                 let t = again.map_or(0.0, |hit| hit.t.to_f64());
-                assert!(t > 0.5 * chord, "{ray:?} loses the far side: {t} of {chord}");
+                met.holds(t > 0.5 * chord, || format!("{ray:?} loses the far side: {t} of {chord}"));
             }
         });
     }
-    assert!(judged > 80_000, "only {judged} rays were steep enough");
+    met.end(80_000);
 }
 
 /// The offset must not eat gaps: it stays within a fixed number of roundings of the coordinates at every scale.
