@@ -1,7 +1,7 @@
 //! The primitives of a scene and the ray in the form that their tests want. ADD A SHAPE HERE.
 
 pub mod sphere;
-pub mod sphere_quad;
+mod sphere_quad;
 pub mod triangle;
 
 use crate::bvh::{Bounds, Slabs};

@@ -1,10 +1,10 @@
 //! The kernel's operations, each on inputs of all kinds.
 
-use ocellus_kernel::bvh::Bounds;
+use ocellus_kernel::bvh::{Bounds, BuildItem, BvhStorage, Structure, intersect, occluded};
 use ocellus_kernel::camera::{CameraSettings, Filter};
 use ocellus_kernel::material::fresnel::{Fresnel, Interface, reflectance};
 use ocellus_kernel::real::{Real, Vec3, Vector, widen};
-use ocellus_kernel::shape::{PreparedRay, Sphere, sphere_quad, triangle};
+use ocellus_kernel::shape::{Geometry, PreparedRay, Sphere, triangle};
 use ocellus_kernel::texture::Texture;
 use ocellus_kernel::{Camera, Everything, Ray, robust, warp};
 
@@ -136,11 +136,15 @@ pub fn four_spheres<R: Real>(queries: u32) -> u64 {
     each(11, queries, |numbers, hash| {
         let spheres: [Sphere<R>; 4] = core::array::from_fn(|_| random_sphere(numbers));
         let target = near(numbers, &spheres[0]);
-        let prepared = PreparedRay::new(&ray::<R>(numbers, target));
-        let tmax = numbers.any::<R>().abs();
-        for tmax in [None, Some(tmax)] {
-            hash.integer(u64::from(sphere_quad::candidates(&prepared, spheres.each_ref(), tmax)));
-        }
+        let ray = ray::<R>(numbers, target);
+        let geometry = Geometry::new(&spheres, &[], &[]).expect("spheres");
+        let mut storage = BvhStorage::<R, 7, 4, 0>::EMPTY;
+        let bvh = storage.build(&geometry, Structure::Bvh, &mut [BuildItem::EMPTY; 4]).expect("room");
+        let hit = intersect::<R, Everything>(&geometry, Some(&bvh), &ray);
+        hash.integer(u64::from(hit.map_or(u32::MAX, |hit| hit.primitive)));
+        hash.real(hit.map_or(R::ZERO, |hit| hit.t));
+        let short = Ray { tmax: numbers.any::<R>().abs(), ..ray };
+        hash.integer(u64::from(occluded::<R, Everything>(&geometry, Some(&bvh), &short)));
     })
 }
 
