@@ -64,7 +64,12 @@ const CASES: &[Case] = &[
     case("N21", "rays leave planes", &["vectors::spawned_rays_leave_triangles"], "1e6 rays"),
     case("N22", "rays leave spheres", &["vectors::spawned_rays_leave_spheres"], "1e6 rays"),
     case("N23", "a second surface close by", &["vectors::offsets_are_a_few_ulps"], "1e6 rays"),
-    case("N24", "corners and contacts", &["furnace::glass_is_entered_as_often_as_it_is_left"], "the seam of two walls"),
+    case(
+        "N24",
+        "corners and contacts",
+        &["furnace::glass_is_entered_as_often_as_it_is_left", "seams::the_seam_of_two_walls_is_lit"],
+        "",
+    ),
     case("N25", "shadow rays", &["closed_forms::walls_stop_light_and_open_air_does_not"], "a light that touches"),
     case("N26", "next larger and smaller numbers", &["vectors::neighbours_are_one_place_apart"], ""),
     case("N27", "frames", &["vectors::frames_are_orthonormal_and_right_handed"], ""),

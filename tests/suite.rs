@@ -48,5 +48,8 @@ mod figures;
 /// However it is rendered, a scene gives the same bits.
 mod invariance;
 
+/// Where two walls meet, neither hides the light from the other.
+mod seams;
+
 /// The hard cases by their numbers.
 mod cases;

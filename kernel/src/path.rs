@@ -5,7 +5,7 @@ use crate::light::{self, LightSampling};
 use crate::material::{Diffuse, Fresnel, Scattering, dielectric, diffuse, mirror};
 use crate::ray::{Departure, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector};
-use crate::robust::{offset_along_normal, offset_ray_origin};
+use crate::robust::{offset_along_normal, offset_ray_origin, origin_error};
 use crate::sampler::{Block, Sampler};
 use crate::scene::Scene;
 use crate::surface::{SurfacePoint, surface_point};
@@ -68,13 +68,13 @@ pub fn radiance<R: Real, E: EffectSet>(
     let (mut radiance, mut throughput, mut rays) = (Vec3::<R>::ZERO, Vec3::<R>::ONE, 0);
     // Whether a sampled light that the ray meets has yet to be counted: not after a diffuse bounce.
     let mut sees_lights = true;
-    let mut departure = Departure { origin: ray.origin, sphere: NO_PRIMITIVE };
+    let mut departure = Departure::exactly(ray.origin);
     for bounce in 0..=options.max_bounces {
         if bounce == options.max_bounces && !last_segment_counts(scene, sees_lights) {
             break;
         }
         rays += 1;
-        let Some(hit) = scene.intersect_from::<E>(&ray, departure.sphere) else {
+        let Some(hit) = scene.intersect_from::<E>(&ray, &departure) else {
             if const { E::EFFECTS.contains(Effects::BACKGROUND) } {
                 radiance = radiance + throughput * scene.background();
             }
@@ -95,6 +95,7 @@ pub fn radiance<R: Real, E: EffectSet>(
         sampler.begin_vertex(bounce + 1);
         let numbers = sampler.numbers(Block::Scatter);
         let facing = point.toward_viewer::<E>();
+        departure.error = origin_error::<R>(point.p, point.p_error, hit.t);
         let outside = |front: bool| outside_of::<R, E>(scene, hit.primitive, front);
         let sample = match &material.scattering {
             Scattering::Mirror(glossy) if const { E::EFFECTS.contains(Effects::MIRROR) } => {

@@ -45,8 +45,18 @@ impl<R: Real> Ray<R> {
 pub(crate) struct Departure<R: Real> {
     /// Off the surface, scene units.
     pub(crate) origin: Vec3<R>,
-    /// The sphere on whose outside that is, which the rays cannot meet; [`NO_PRIMITIVE`] if there is none.
+    /// How far that is from the exact point of the surface, at most.
+    pub(crate) error: R,
+    /// The sphere on whose outside it is, which the rays cannot meet; [`NO_PRIMITIVE`] if there is none.
     pub(crate) sphere: u32,
+}
+
+impl<R: Real> Departure<R> {
+    /// Exactly from `origin`, and from no surface.
+    #[inline]
+    pub(crate) fn exactly(origin: Vec3<R>) -> Self {
+        Self { origin, error: R::ZERO, sphere: NO_PRIMITIVE }
+    }
 }
 
 /// The primitive number that stands for none.

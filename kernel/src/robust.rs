@@ -57,6 +57,17 @@ pub fn offset_along_normal<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -
     p + ng * offset_distance::<R>(p, p_error, ng)
 }
 
+/// How far an origin put off a surface at `p` can be from the exact point that a ray of unit direction first meets.
+///
+/// No further than the offset and the diagonal of the error box, neither of them more than the sum of the box's sides
+/// and their rounding; and than the roundings of two distances `t`, since of two surfaces that lie closer together than
+/// that either may be said to be the first.
+#[inline]
+pub(crate) fn origin_error<R: Real>(p: Vec3<R>, p_error: Vec3<R>, t: R) -> R {
+    let sides = p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2);
+    sides.dot(Vec3::<R>::splat(R::from_f64(2.0) + gamma::<R>(16))) + t * gamma::<R>(4)
+}
+
 #[inline]
 fn offset_distance<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> R {
     ng.abs().dot(p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2))

@@ -5,7 +5,7 @@ use crate::effects::{EffectSet, Effects, Everything};
 use crate::error::SceneError;
 use crate::light::Light;
 use crate::material::{Material, Scattering};
-use crate::ray::{Hit, NO_PRIMITIVE, Ray};
+use crate::ray::{Departure, Hit, Ray};
 use crate::real::{Real, Vec3, Vector};
 use crate::shape::{Geometry, TriangleAttributes};
 use crate::surface::{SurfacePoint, surface_point};
@@ -140,25 +140,25 @@ impl<'a, R: Real> Scene<'a, R> {
     /// [`Scene::intersect`] for a kernel of fewer effects.
     #[inline]
     pub fn intersect_in<E: EffectSet>(&self, ray: &Ray<R>) -> Option<Hit<R>> {
-        self.intersect_from::<E>(ray, NO_PRIMITIVE)
+        self.intersect_from::<E>(ray, &Departure::exactly(ray.origin))
     }
 
     /// [`Scene::occluded`] for a kernel of fewer effects.
     #[inline]
     pub fn occluded_in<E: EffectSet>(&self, ray: &Ray<R>) -> bool {
-        self.occluded_from::<E>(ray, NO_PRIMITIVE)
+        self.occluded_from::<E>(ray, &Departure::exactly(ray.origin))
     }
 
-    /// [`Scene::intersect_in`] for a ray that starts on the outside of the sphere `departed`.
+    /// [`Scene::intersect_in`] for a ray that leaves a surface.
     #[inline(always)]
-    pub(crate) fn intersect_from<E: EffectSet>(&self, ray: &Ray<R>, departed: u32) -> Option<Hit<R>> {
-        bvh::search::<R, E, false>(&self.parts.geometry, self.bvh(), ray, departed)
+    pub(crate) fn intersect_from<E: EffectSet>(&self, ray: &Ray<R>, from: &Departure<R>) -> Option<Hit<R>> {
+        bvh::search::<R, E, false>(&self.parts.geometry, self.bvh(), ray, from)
     }
 
-    /// [`Scene::occluded_in`] for a ray that starts on the outside of the sphere `departed`.
+    /// [`Scene::occluded_in`] for a ray that leaves a surface.
     #[inline(always)]
-    pub(crate) fn occluded_from<E: EffectSet>(&self, ray: &Ray<R>, departed: u32) -> bool {
-        bvh::search::<R, E, true>(&self.parts.geometry, self.bvh(), ray, departed).is_some()
+    pub(crate) fn occluded_from<E: EffectSet>(&self, ray: &Ray<R>, from: &Departure<R>) -> bool {
+        bvh::search::<R, E, true>(&self.parts.geometry, self.bvh(), ray, from).is_some()
     }
 }
 

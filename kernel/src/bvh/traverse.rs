@@ -5,7 +5,7 @@
 
 use super::{Bvh, Leaf, MAX_DEPTH};
 use crate::effects::EffectSet;
-use crate::ray::{Hit, NO_PRIMITIVE, Ray};
+use crate::ray::{Departure, Hit, NO_PRIMITIVE, Ray};
 use crate::real::Real;
 use crate::shape::{Geometry, PreparedRay};
 
@@ -18,23 +18,23 @@ pub fn intersect<R: Real, E: EffectSet>(
     bvh: Option<&Bvh<'_, R>>,
     ray: &Ray<R>,
 ) -> Option<Hit<R>> {
-    search::<R, E, false>(geometry, bvh, ray, NO_PRIMITIVE)
+    search::<R, E, false>(geometry, bvh, ray, &Departure::exactly(ray.origin))
 }
 
 /// Whether anything is hit in `tmin < t <= tmax`.
 #[inline]
 pub fn occluded<R: Real, E: EffectSet>(geometry: &Geometry<'_, R>, bvh: Option<&Bvh<'_, R>>, ray: &Ray<R>) -> bool {
-    search::<R, E, true>(geometry, bvh, ray, NO_PRIMITIVE).is_some()
+    search::<R, E, true>(geometry, bvh, ray, &Departure::exactly(ray.origin)).is_some()
 }
 
-/// The search behind both: with `ANY` it ends at the first hit. The sphere `departed`, on whose outside the ray starts,
-/// is left out, since it cannot be met: so nothing changes but the time.
+/// The search behind both: with `ANY` it ends at the first hit. The sphere on whose outside the ray starts is left out,
+/// since it cannot be met: so nothing changes but the time.
 #[inline(always)]
 pub(crate) fn search<R: Real, E: EffectSet, const ANY: bool>(
     geometry: &Geometry<'_, R>,
     bvh: Option<&Bvh<'_, R>>,
     ray: &Ray<R>,
-    departed: u32,
+    from: &Departure<R>,
 ) -> Option<Hit<R>> {
     // All that the test of a sphere asks for: it finds nothing where something is not finite.
     if !ray.has_range() {
@@ -43,12 +43,12 @@ pub(crate) fn search<R: Real, E: EffectSet, const ANY: bool>(
     let mut best = Hit::none(ray.tmax);
     match bvh.filter(|bvh| bvh.fits(geometry)) {
         Some(bvh) if is_small(bvh) => {
-            let ray = PreparedRay::new_in::<E, false>(ray, departed);
+            let ray = PreparedRay::new_in::<E, false>(ray, from);
             geometry.test_spheres::<E, ANY, ANY, true>(&ray, bvh.sphere_quads, &mut best);
         }
         _ if !ray.is_valid() => return None,
-        None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray, departed), &mut best),
-        Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &PreparedRay::new_in::<E, true>(ray, departed), &mut best),
+        None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray, from), &mut best),
+        Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &PreparedRay::new_in::<E, true>(ray, from), &mut best),
     }
     (best.primitive != NO_PRIMITIVE).then_some(best)
 }
@@ -168,8 +168,9 @@ mod tests {
                     continue;
                 }
                 let ray = Ray::new(from, wi);
-                assert_eq!(search::<R, Everything, false>(&geometry, None, &ray, NO_PRIMITIVE), None, "{ray:?}");
-                assert_eq!(search::<R, Everything, false>(&geometry, None, &ray, 0), None);
+                assert_eq!(intersect::<R, Everything>(&geometry, None, &ray), None, "{ray:?}");
+                let departure = Departure { sphere: 0, ..Departure::exactly(from) };
+                assert_eq!(search::<R, Everything, false>(&geometry, None, &ray, &departure), None);
             }
         }
     }

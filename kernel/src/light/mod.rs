@@ -72,7 +72,7 @@ pub(crate) fn direct<R: Real, E: EffectSet>(
         }
         let shadow = Ray { tmax: shadow_tmax::<R>(), ..Ray::new(departure.origin, sampled.target - departure.origin) };
         *rays += 1;
-        if !scene.occluded_from::<E>(&shadow, departure.sphere) {
+        if !scene.occluded_from::<E>(&shadow, departure) {
             sum = sum + sampled.weight * (cosine * R::from_f64(core::f64::consts::FRAC_1_PI));
         }
     }

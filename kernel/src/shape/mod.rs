@@ -7,7 +7,7 @@ pub mod triangle;
 use crate::bvh::{Bounds, Slabs};
 use crate::effects::{EffectSet, Effects, Everything};
 use crate::error::GeometryError;
-use crate::ray::{Hit, NO_PRIMITIVE, Ray};
+use crate::ray::{Departure, Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, widen};
 
 pub use sphere::Sphere;
@@ -29,6 +29,8 @@ pub struct PreparedRay<R: Real> {
     pub tmin: R,
     /// The sphere that the ray starts on the outside of, and cannot meet again; `NO_PRIMITIVE` if there is none.
     departed: u32,
+    /// How far the origin is from where it should be, at most; scene units.
+    error: R::Wide,
     direction: [R; 3],
     /// The squared length of the direction; NaN where that or its reciprocal is far from 1.
     square: R,
@@ -44,12 +46,12 @@ impl<R: Real> PreparedRay<R> {
     /// Computes what the tests share.
     #[inline]
     pub fn new(ray: &Ray<R>) -> Self {
-        Self::new_in::<Everything, true>(ray, NO_PRIMITIVE)
+        Self::new_in::<Everything, true>(ray, &Departure::exactly(ray.origin))
     }
 
     /// [`PreparedRay::new`] for a kernel of fewer effects. Without `BOXES` it is for [`Geometry::test_all`] alone.
     #[inline(always)]
-    pub(crate) fn new_in<E: EffectSet, const BOXES: bool>(ray: &Ray<R>, departed: u32) -> Self {
+    pub(crate) fn new_in<E: EffectSet, const BOXES: bool>(ray: &Ray<R>, from: &Departure<R>) -> Self {
         // Triangles are always tested against their own box, and so are spheres where `Sphere::has_in_box` says no.
         let boxes = const { BOXES || R::WIDE_IS_SELF || E::EFFECTS.contains(Effects::TRIANGLES) };
         let direction = ray.direction.to_array();
@@ -63,7 +65,8 @@ impl<R: Real> PreparedRay<R> {
             slabs: Slabs::new(ray.origin.to_array(), inverse),
             origin: ray.origin.to_array(),
             tmin: ray.tmin,
-            departed,
+            departed: from.sphere,
+            error: from.error.widen(),
             direction,
             square: if usual { square } else { R::NAN },
             inverse_square: if usual { R::narrow(wide_inverse_square) } else { R::NAN },

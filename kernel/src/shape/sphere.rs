@@ -68,8 +68,10 @@ impl<R: Real> Sphere<R> {
         let radius = self.radius.widen();
         let radius_square = radius * radius;
         let along = to_center.dot(d);
-        // Behind an origin outside of the sphere: most often the sphere that the ray comes from.
-        if along < R::Wide::ZERO && to_center.dot(to_center) > radius_square {
+        // Behind an origin outside of the sphere, or not inside by more than its error: where two walls meet, a ray that
+        // leaves one must not start behind the other.
+        let doubtful = radius * (ray.error + ray.error);
+        if along < R::Wide::ZERO && to_center.dot(to_center) + doubtful > radius_square {
             return None;
         }
         let mut t_foot = along * inverse_square;
