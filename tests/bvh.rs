@@ -17,6 +17,7 @@ use crate::support::property::{component, for_all, power_of_two};
 use crate::support::random::Random;
 use crate::support::scene::{OwnedScene, Room, STRUCTURES, corners, v};
 use crate::support::tolerance::u;
+use crate::support::trials::{Trials, trials};
 
 in_both_precisions!(
     structures_agree_bit_for_bit,
@@ -85,7 +86,8 @@ fn bits<R: Real>(hit: Option<Hit<R>>) -> Option<([u64; 3], u32)> {
 }
 
 fn structures_agree_bit_for_bit<R: Real>() {
-    for_all(48, (any::<u64>(), 0usize..80, 0usize..150), |(seed, spheres, triangles)| {
+    let scenes = trials(48 * 400) / 400;
+    for_all(scenes, (any::<u64>(), 0usize..80, 0usize..150), |(seed, spheres, triangles)| {
         let mut random = Random::new(seed);
         let scene = mixture::<R>(&mut random, spheres, triangles);
         let rays: Vec<Ray<R>> = (0..400).map(|_| any_ray(&mut random, &scene)).collect();
@@ -101,6 +103,7 @@ fn structures_agree_bit_for_bit<R: Real>() {
         }
         Ok(())
     });
+    Trials::passed::<R>("N39", "rays at mixed scenes: all, box, BVH", scenes * 400);
 }
 
 /// The same triangles many times over, in shuffled order among others: ties are everywhere.
@@ -121,6 +124,7 @@ fn coplanar_copies_go_to_the_lowest_primitive<R: Real>() {
             }
         });
     }
+    Trials::passed::<R>("N39", "coplanar copies", 3 * 3000);
 }
 
 /// With the range ended at the closest hit there is one; ended just before it there is none.
@@ -130,7 +134,7 @@ fn occlusion_agrees_with_the_closest_hit<R: Real>() {
     for structure in STRUCTURES {
         scene.lend(structure, |lent| {
             let mut hits = 0;
-            for _ in 0..20_000 {
+            for _ in 0..trials(20_000) {
                 let ray = any_ray(&mut random, &scene);
                 let hit = lent.intersect(&ray);
                 assert_eq!(hit.is_some(), lent.occluded(&ray), "{structure:?} {ray:?}");
@@ -147,6 +151,7 @@ fn occlusion_agrees_with_the_closest_hit<R: Real>() {
             assert!(hits > 5000, "only {hits} hits");
         });
     }
+    Trials::passed::<R>("N40", "any hit against the closest, and ends at it", 3 * trials(20_000));
 }
 
 fn bounds<R: Real>(geometry: &Geometry<'_, R>, primitive: usize) -> Bounds<R> {
@@ -257,6 +262,7 @@ fn hostile_input_builds_within_the_depth_limit<R: Real>() {
         };
         assert_eq!(owned.lend(Some(Structure::Bvh), look), owned.lend(None, look), "{name}");
     }
+    Trials::passed::<R>("N38", "hostile meshes: chain, staircase, overflow, infinite, one place", 5);
 }
 
 fn storage_on_the_stack_equals_boxed_slices<R: Real>() {
@@ -358,6 +364,7 @@ fn invalid_rays_miss<R: Real>() {
             }
         });
     }
+    Trials::passed::<R>("N8", "rays that are no rays", 3 * bad.len() as u32);
 }
 
 /// Whether `origin + t direction` meets the closed box at some t > 0, in exact arithmetic.
@@ -394,7 +401,7 @@ fn slabs_never_miss_what_exact_rays_meet<R: Real>() {
     let places = (corner(), corner(), corner(), corner(), prop::array::uniform3(0u8..6), prop::array::uniform3(0u8..6));
     let tiny = if R::WIDE_IS_SELF { 1e-310 } else { 1e-40 };
     let (mut met, mut missed) = (std::cell::Cell::new(0), std::cell::Cell::new(0));
-    for_all(30_000, (places, power_of_two(-20..20)), |((a, b, target, free, start, aim), scale)| {
+    for_all(trials(30_000), (places, power_of_two(-20..20)), |((a, b, target, free, start, aim), scale)| {
         let round = |x: f64| R::from_f64(x * scale).to_f64();
         let [low, high] = [f64::min, f64::max].map(|pick| std::array::from_fn(|i| round(pick(a[i], b[i]))));
         let origin: [f64; 3] = std::array::from_fn(|i| match start[i] {
@@ -427,4 +434,7 @@ fn slabs_never_miss_what_exact_rays_meet<R: Real>() {
     });
     let (met, missed) = (*met.get_mut(), *missed.get_mut());
     assert!(met > 5000 && missed > 1000, "{met} met, {missed} missed; unit {}", u::<R>());
+    for case in ["N1", "N2", "N3", "N4", "N5"] {
+        Trials::passed::<R>(case, "boxes that exact rays meet: planes, edges, zeros, tiny components", met);
+    }
 }

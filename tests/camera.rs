@@ -9,6 +9,7 @@ use crate::support::in_both_precisions;
 use crate::support::property::{direction, for_all};
 use crate::support::scene::{CAMERA, v};
 use crate::support::tolerance::{self, u};
+use crate::support::trials::{Trials, trials};
 
 in_both_precisions!(
     mirrored_pixels_get_mirrored_rays,
@@ -44,7 +45,7 @@ fn mirrored(numbers: [u32; 4]) -> ([u32; 4], [u32; 4]) {
 
 fn mirrored_pixels_get_mirrored_rays<R: Real>() {
     let filters = prop::sample::select(vec![Filter::Box(0.0), Filter::Box(1.0), Filter::Tent(1.5)]);
-    for_all(2000, (framings(), filters, any::<[u32; 4]>()), |((settings, x, y), filter, numbers)| {
+    for_all(trials(2000), (framings(), filters, any::<[u32; 4]>()), |((settings, x, y), filter, numbers)| {
         let camera = camera::<R>(&CameraSettings { filter, ..settings });
         let (numbers, opposite) = mirrored(numbers);
         let at = |x, y, numbers| camera.ray::<Everything>(x, y, numbers).direction.to_array();
@@ -56,6 +57,7 @@ fn mirrored_pixels_get_mirrored_rays<R: Real>() {
         prop_assert_eq!(at(x, down, flipped_y), [dx, -dy, dz]);
         Ok(())
     });
+    Trials::passed::<R>("N37", "mirrored pixels, bit for bit", trials(2000));
 }
 
 fn the_centre_ray_looks_at_the_target<R: Real>() {
@@ -79,7 +81,7 @@ fn the_centre_ray_looks_at_the_target<R: Real>() {
 
 /// The picture is a plane at distance 1: pixel centres in units of `tan(fov / 2)`, right and down.
 fn pixels_lie_where_the_field_of_view_puts_them<R: Real>() {
-    for_all(3000, framings(), |(settings, x, y)| {
+    for_all(trials(3000), framings(), |(settings, x, y)| {
         let d = camera::<R>(&settings).ray::<Everything>(x, y, [0; 4]).direction.to_array().map(|c| c.to_f64());
         let half = libm::tan(settings.field_of_view * 0.5);
         let across = (2.0 * f64::from(x) + 1.0 - f64::from(settings.width)) / f64::from(settings.width) * half;
@@ -91,6 +93,7 @@ fn pixels_lie_where_the_field_of_view_puts_them<R: Real>() {
         }
         Ok(())
     });
+    Trials::passed::<R>("N37", "pixel directions", trials(3000));
 }
 
 /// A camera askew, with a lens.
@@ -123,7 +126,7 @@ fn in_focus<R: Real>(ray: &Ray<R>, forward: Vec3<R>, position: Vec3<R>, focal_di
 
 fn lens_rays_of_a_pixel_meet_in_focus<R: Real>() {
     let inputs = (any::<[u32; 4]>(), 0u32..16, 0u32..16, 0.01..2.0, 1.0..100.0);
-    for_all(2000, inputs, |(numbers, x, y, aperture, focal_distance)| {
+    for_all(trials(2000), inputs, |(numbers, x, y, aperture, focal_distance)| {
         let pinhole = camera::<R>(&askew(0.0, focal_distance, Filter::Box(1.0)));
         let lens = camera::<R>(&askew(aperture, focal_distance, Filter::Box(1.0)));
         let odd = CameraSettings { width: 1, height: 1, filter: Filter::Box(0.0), ..askew(0.0, 1.0, Filter::Box(0.0)) };
@@ -137,6 +140,7 @@ fn lens_rays_of_a_pixel_meet_in_focus<R: Real>() {
         prop_assert!(error <= tolerance::FOCUS * u::<R>() * scale, "{} u", error / (u::<R>() * scale));
         Ok(())
     });
+    Trials::passed::<R>("N37", "rays through a lens", trials(2000));
 }
 
 fn lens_rays_start_on_the_lens<R: Real>() {
@@ -196,13 +200,18 @@ fn a_filter_that_is_compiled_out_falls_back_to_a_box<R: Real>() {
 }
 
 fn directions_do_not_depend_on_the_position<R: Real>() {
-    for_all(1000, (framings(), prop::array::uniform3(-1_000_000i32..1_000_000)), |((settings, x, y), shift)| {
-        let shifted = |p: [f64; 3]| std::array::from_fn(|i| p[i] + f64::from(shift[i]));
-        let moved =
-            CameraSettings { position: shifted(settings.position), look_at: shifted(settings.look_at), ..settings };
-        let [here, there] = [&settings, &moved].map(|s| camera::<R>(s).ray::<Everything>(x, y, [0; 4]));
-        prop_assert_eq!(here.direction, there.direction);
-        prop_assert_eq!(there.origin, v::<R>(moved.position));
-        Ok(())
-    });
+    for_all(
+        trials(1000),
+        (framings(), prop::array::uniform3(-1_000_000i32..1_000_000)),
+        |((settings, x, y), shift)| {
+            let shifted = |p: [f64; 3]| std::array::from_fn(|i| p[i] + f64::from(shift[i]));
+            let moved =
+                CameraSettings { position: shifted(settings.position), look_at: shifted(settings.look_at), ..settings };
+            let [here, there] = [&settings, &moved].map(|s| camera::<R>(s).ray::<Everything>(x, y, [0; 4]));
+            prop_assert_eq!(here.direction, there.direction);
+            prop_assert_eq!(there.origin, v::<R>(moved.position));
+            Ok(())
+        },
+    );
+    Trials::passed::<R>("N37", "far cameras", trials(1000));
 }

@@ -3,6 +3,7 @@
 //! N1 to N47 are numerical cases, A1 to A11 scenes with answers in closed form. `cargo test -p ocellus-tests cases --
 //! --nocapture` prints the table.
 
+use std::collections::BTreeMap;
 use std::process::Command;
 
 /// A numbered case.
@@ -191,4 +192,33 @@ fn every_numbered_case_is_listed_once_with_tests_that_exist() {
         }
         assert!(!tests.is_empty() || !open.is_empty(), "{number}: neither a test nor a word on what is open");
     }
+}
+
+/// With `OCELLUS_TRIALS_TABLE` set to what `OCELLUS_TRIALS_FILE` collected: prints it in the order of the cases, with
+/// what is open, and fails for a case with tests that left no line there. `tests/hard_cases` does both.
+#[test]
+fn table_of_trials() {
+    let Some(path) = std::env::var_os("OCELLUS_TRIALS_TABLE") else { return };
+    let lines = std::fs::read_to_string(&path).expect("OCELLUS_TRIALS_TABLE can be read");
+    let mut rows: BTreeMap<&str, Vec<Vec<&str>>> = BTreeMap::new();
+    for line in lines.lines() {
+        let cells: Vec<&str> = line.split('\t').collect();
+        rows.entry(cells[0]).or_default().push(cells[1..].to_vec());
+    }
+    println!("case in  trials    failures worst      limit                what");
+    let mut silent = Vec::new();
+    for Case { number, what, tests, open } in CASES {
+        println!("{number:<4} {what}{}", if open.is_empty() { String::new() } else { format!(" (open: {open})") });
+        let mut rows = rows.remove(number).unwrap_or_default();
+        if rows.is_empty() && !tests.is_empty() {
+            silent.push(number);
+        }
+        rows.sort_by_key(|row| (row[1].to_owned(), row[0].to_owned()));
+        for row in rows {
+            let [precision, class, count, failures, worst, limit] = row[..] else { panic!("{row:?}") };
+            println!("     {precision} {count:<9} {failures:<8} {worst:<10} {limit:<20} {class}");
+        }
+    }
+    assert!(rows.is_empty(), "trials of cases that are not listed: {rows:?}");
+    assert!(silent.is_empty(), "no trials were written down for {silent:?}");
 }

@@ -12,6 +12,7 @@ use ocellus_kernel::Everything;
 use ocellus_kernel::sampler::{AddressedSampler, Block, Sampler};
 
 use crate::support::pictures::{Estimate, FIGURES, PRECISIONS, data_folder, figure, film};
+use crate::support::trials::Trials;
 
 /// The file of golden hashes.
 const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/golden/figures.txt");
@@ -40,6 +41,7 @@ fn golden_hashes() {
         assert_eq!(new, old, "pictures changed; if they are meant to, set {BLESS}=1 and run this test again");
     }
     assert_eq!(table, golden, "{GOLDEN} has lines of other figures");
+    Trials::passed::<f32>("N47", "golden hashes; both precisions (targets: tests/same_bits/run)", 18);
 }
 
 /// Pixels across and down of the report's pictures.

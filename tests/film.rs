@@ -12,6 +12,7 @@ use crate::support::meshes::cube;
 use crate::support::property::for_all;
 use crate::support::scene::{CAMERA, OwnedScene, picture, with_view};
 use crate::support::tolerance;
+use crate::support::trials::Trials;
 
 in_both_precisions!(a_resumed_picture_is_the_whole_picture, the_split_of_work_changes_no_bit, work_is_counted);
 
@@ -78,6 +79,7 @@ fn order_and_split_change_no_bit() {
             Ok(())
         },
     );
+    Trials::passed::<f32>("N42", "sums in any order and split", 1000);
 }
 
 /// The mean is the exact sum, divided and rounded; the variance is that of the textbook within f64.
@@ -121,6 +123,7 @@ fn many_samples_do_not_drift() {
     // 1024 large ones and 4,193,280 small ones.
     let exact = (1024.0 * 1e6 + 4_193_280.0 * f64::from(1e-4f32)) / f64::from(1 << 22);
     assert_eq!(pixel.mean(), [exact as f32, 0.1, 0.3]);
+    Trials::passed::<f32>("N41", "sums of up to 2^24 samples", 2);
 }
 
 #[test]
@@ -140,6 +143,7 @@ fn samples_that_are_no_numbers_are_counted_and_kept_out() {
     let mut merged = clean;
     merged.merge(&pixel);
     assert_eq!((merged.non_finite(), merged.count(), merged.mean()), (12, 6, clean.mean()));
+    Trials::passed::<f32>("N41", "samples that are no numbers", 12);
 }
 
 /// FNV-1a as published, over bytes put together here.

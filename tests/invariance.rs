@@ -13,6 +13,7 @@ use ocellus_kernel::{Everything, ImageHash, Pixel, Real, Scene, SceneParts, View
 
 use crate::support::in_both_precisions;
 use crate::support::pictures::{FIGURES, PRECISIONS, figure, film, fixture, scene};
+use crate::support::trials::Trials;
 
 in_both_precisions!(a_hierarchy_on_the_stack_is_as_good_as_one_on_the_heap);
 
@@ -50,6 +51,7 @@ fn structures_change_no_bit() {
         });
         assert_eq!((none, one_box), (bvh, bvh), "{what}");
     });
+    Trials::passed::<f32>("N39", "pictures: all, box, BVH; both precisions", 60);
 }
 
 #[test]
@@ -81,6 +83,7 @@ fn threads_change_no_bit() {
         assert_eq!(one, two, "{what}");
         assert_eq!(one, five, "{what}");
     });
+    Trials::passed::<f32>("N42", "pictures: 1, 2 and 5 threads; both precisions", 60);
 }
 
 #[test]

@@ -11,6 +11,7 @@ use crate::support::random::Random;
 use crate::support::scene::v;
 use crate::support::statistics::{Moments, assert_follows, assert_uniform};
 use crate::support::tolerance::{self, u};
+use crate::support::trials::{Trials, trials};
 
 in_both_precisions!(
     the_cosine_hemisphere_follows_its_density,
@@ -69,6 +70,7 @@ fn the_cosine_hemisphere_follows_its_density<R: Real>() {
         counts[cell(z.max(0.0), turn(x, y))] += 1;
     }
     assert_follows("cosine hemisphere", &counts, &expected(|cosine| cosine * cosine));
+    Trials::passed::<R>("N34", "cosine hemisphere", pairs::<R>().count() as u32);
 }
 
 /// Within radius r lies r^2 of the probability.
@@ -81,6 +83,7 @@ fn the_disk_is_uniform<R: Real>() {
         counts[cell(radius, turn(x, y))] += 1;
     }
     assert_follows("disk", &counts, &expected(|radius| radius * radius));
+    Trials::passed::<R>("N34", "disk", pairs::<R>().count() as u32);
 }
 
 /// 1 - cos is uniform up to the edge, the sine belongs to the cosine, and the solid angle is `2 pi (1 - cos)`.
@@ -104,6 +107,7 @@ fn the_cone_is_uniform_in_solid_angle<R: Real>() {
     let sphere = cone(R::from_f64(1.5), R::from_f64(0.75));
     assert_eq!(sphere.cosine.to_f64(), -0.5);
     assert!((sphere.solid_angle.to_f64() / (4.0 * std::f64::consts::PI) - 1.0).abs() <= 2.0 * u::<R>());
+    Trials::passed::<R>("N34", "cone", pairs::<R>().count() as u32);
 }
 
 /// Both numbers are normal and independent: their quantiles fill a square evenly.
@@ -115,6 +119,7 @@ fn the_gaussian_is_normal<R: Real>() {
         counts[cell(x, y)] += 1;
     }
     assert_uniform("gaussian", &counts);
+    Trials::passed::<R>("N34", "normal numbers", pairs::<R>().count() as u32);
 }
 
 /// Density 1 - |x|.
@@ -127,6 +132,7 @@ fn the_tent_is_a_tent<R: Real>() {
         counts[cell(0.5 * (x + 1.0), below(y))] += 1;
     }
     assert_follows("tent", &counts, &expected(|x| below(2.0 * x - 1.0)));
+    Trials::passed::<R>("N34", "tent", pairs::<R>().count() as u32);
 }
 
 fn corners_of_the_square_are_finite_and_in_range<R: Real>() {
@@ -143,19 +149,22 @@ fn corners_of_the_square_are_finite_and_in_range<R: Real>() {
             assert!(sample.solid_angle >= R::ZERO && (sine_square == 0.0 || sample.solid_angle > R::ZERO));
         }
     }
+    Trials::passed::<R>("N35", "corners of the unit square", 49);
 }
 
 /// `1 - cos` of a light a million radii away would be 0; formed without cancellation it keeps its digits.
 fn far_cones_keep_their_solid_angle<R: Real>() {
     let mut random = Random::new(31);
-    for _ in 0..2000 {
+    let errors = Trials::measured::<R>("N35", "solid angles of far cones", tolerance::SOLID_ANGLE, "u");
+    for _ in 0..trials(20_000) / 10 {
         let sine_square = R::from_f64(libm::exp10(random.between(-12.0, 0.0)));
         let s = exact(sine_square.to_f64());
         let versine = &s / (exact(1.0) + root(&(exact(1.0) - &s)));
         let truth = std::f64::consts::TAU * to_f64(&versine);
         let found = cone(sine_square, R::ZERO).solid_angle.to_f64();
-        assert!((found / truth - 1.0).abs() <= tolerance::SOLID_ANGLE * u::<R>(), "{sine_square:?}: {found} {truth}");
+        errors.error((found / truth - 1.0).abs() / u::<R>(), || format!("{sine_square:?}: {found} {truth}"));
     }
+    errors.end(2000);
 }
 
 /// From a counter to (seed, column, row, sample, vertex).
@@ -201,6 +210,7 @@ fn philox_is_even_along_every_part_of_the_address() {
             mean.assert_mean(&format!("{name} {block:?}"), 0.5, 0.0);
         }
     }
+    Trials::passed::<f32>("N43", "numbers along every part of the address", 12 << 17);
 }
 
 /// No two pixels of the largest picture, and no two samples of a pixel, share numbers: Philox is a bijection of its
@@ -219,4 +229,5 @@ fn addresses_do_not_collide() {
             }
         }
     }
+    Trials::passed::<f32>("N43", "addresses", seen.len() as u32);
 }

@@ -62,20 +62,18 @@ fn differences_of_products_have_the_exact_sign<R: Real>() {
 
 fn normalize_is_unit_and_keeps_the_direction<R: Real>() {
     let exponents = if R::WIDE_IS_SELF { -450..500 } else { -126..127 };
-    for_all(3000, (direction(), power_of_two(exponents)), |(direction, scale)| {
+    let limit = tolerance::unit_length::<R>();
+    let errors = Trials::measured::<R>("N28", "length and direction of normalised vectors", limit, "u");
+    for_all(trials(3000), (direction(), power_of_two(exponents)), |(direction, scale)| {
         let given: Vec3<R> = v::<R>(direction.map(|x| x * scale));
         prop_assume!(given != Vec3::<R>::ZERO);
         let unit = ExactVec::new::<R>(normalize::<R>(given));
         let length_error = to_f64(&(unit.length() - exact(1.0))).abs();
         let direction_error = to_f64(&(&unit - &ExactVec::new::<R>(given).unit()).length());
-        prop_assert!(length_error <= tolerance::unit_length::<R>() * u::<R>(), "length {} u", length_error / u::<R>());
-        prop_assert!(
-            direction_error <= tolerance::unit_length::<R>() * u::<R>(),
-            "direction {} u",
-            direction_error / u::<R>()
-        );
+        errors.error(length_error.max(direction_error) / u::<R>(), || format!("{given:?}"));
         Ok(())
     });
+    errors.end(3000);
     assert_eq!(normalize::<R>(Vec3::<R>::ZERO), Vec3::<R>::ZERO);
 }
 
@@ -92,19 +90,20 @@ fn frames_are_orthonormal_and_right_handed<R: Real>() {
         [0.0, 0.0, -1.0],
         [0.0, -0.0, 1.0],
     ]);
-    for_all(3000, prop_oneof![direction(), near_poles, bad], |n| {
+    let errors = Trials::measured::<R>("N27", "length and dot of frames", tolerance::FRAME, "u");
+    for_all(trials(3000), prop_oneof![direction(), near_poles, bad], |n| {
         let n = normalize::<R>(v::<R>(n));
         let [x, y] = ocellus_kernel::warp::frame::<R>(n);
         let axes = [x, y, n].map(ExactVec::new::<R>);
-        let bound = tolerance::FRAME * u::<R>();
         for i in 0..3 {
             let length = to_f64(&(axes[i].length() - exact(1.0))).abs();
             let dot = to_f64(&axes[i].dot(&axes[(i + 1) % 3])).abs();
-            prop_assert!(length <= bound && dot <= bound, "{n:?}: {} u, {} u", length / u::<R>(), dot / u::<R>());
+            errors.error(length.max(dot) / u::<R>(), || format!("{n:?}"));
         }
         prop_assert!(to_f64(&axes[0].cross(&axes[1]).dot(&axes[2])) > 0.0);
         Ok(())
     });
+    errors.end(9000);
 }
 
 /// A random triangle of size `size`, moved away by up to 1e5 times that; or one that lies in a plane of the axes or
@@ -202,7 +201,9 @@ fn spawned_rays_leave_spheres<R: Real>() {
 /// The offset must not eat gaps: it stays within a fixed number of roundings of the coordinates at every scale.
 fn offsets_are_a_few_ulps<R: Real>() {
     let mut random = Random::new(3);
-    for _ in 0..50_000 {
+    // A gap that is as wide as the offset is kept; that of N23 is 64 ulps.
+    let moves = Trials::measured::<R>("N23", "offsets", tolerance::OFFSET, "u M");
+    for _ in 0..trials(100_000) {
         let size = libm::exp(random.between(-9.2, 13.8));
         let mut scene = OwnedScene::<R>::default();
         let grey = scene.diffuse(0.5, 0.0);
@@ -214,9 +215,10 @@ fn offsets_are_a_few_ulps<R: Real>() {
             let moved = (ray.origin - point.p).abs().max_component().to_f64();
             let largest = [a, b, c].map(|corner| corner.abs().max_component().to_f64());
             let largest = largest.into_iter().fold(0.0, f64::max);
-            assert!(moved <= tolerance::OFFSET * u::<R>() * largest, "{} u M", moved / (u::<R>() * largest));
+            moves.error(moved / (u::<R>() * largest), || format!("{point:?}"));
         });
     }
+    moves.end(80_000);
 }
 
 /// N26. Numbers in order are integers in order: the bits of the magnitude, with the sign before them. A neighbour is one
@@ -238,6 +240,7 @@ fn neighbours_are_one_place_apart() {
             assert_neighbours(x, place);
         }
     }
+    Trials::passed::<f32>("N26", "neighbours of numbers, both precisions", 200_000);
 }
 
 #[track_caller]

@@ -46,6 +46,13 @@ impl Trials {
         Self { limit: Some((limit, unit)), ..Self::of::<R>(case, class) }
     }
 
+    /// `count` trials of tests that stop at the first failure, all of which were passed.
+    pub(crate) fn passed<R: Real>(case: &str, class: &str, count: u32) {
+        let trials = Self::of::<R>(case, class);
+        trials.count.set(count.into());
+        trials.end(1);
+    }
+
     /// One trial that succeeded or not.
     pub(crate) fn holds(&self, success: bool, words: impl FnOnce() -> String) {
         self.count.set(self.count.get() + 1);
