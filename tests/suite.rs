@@ -48,5 +48,14 @@ mod figures;
 /// However it is rendered, a scene gives the same bits.
 mod invariance;
 
+/// Hard cases of geometry: boxes and rays without end, degenerate triangles, extreme scales, moved scenes.
+mod hard_cases;
+
+/// Rays and triangles that some test got wrong, bit by bit.
+mod kept_rays;
+
+/// Hard cases of light: chains of mirrors, refraction against exact arithmetic, lights of triangles.
+mod light_cases;
+
 /// The hard cases by their numbers.
 mod cases;
