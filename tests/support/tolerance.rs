@@ -133,9 +133,12 @@ pub(crate) const REFRACTED: f64 = 6.0;
 /// The same after refraction there and back: the error there, magnified by the ratio of the indices, and the one back.
 pub(crate) const REVERSED: f64 = 16.0;
 
-/// Difference in u between reflectances from both sides of one refraction: eight roundings each. Where cosines differ
-/// because directions were rounded, in u / cos.
+/// Difference in u between reflectances from both sides of one refraction: eight roundings each.
 pub(crate) const RECIPROCAL: f64 = 16.0;
+
+/// Difference in u / (cos_i cos_t) between the shares reflected on the way there and, after the direction was rounded,
+/// on the way back: the cosine of that is [`REVERSED`] u / cos_i off, and a share changes by at most 4 / cos_t of it.
+pub(crate) const SHARES: f64 = 4.0 * REVERSED;
 
 /// How many standard errors a mean may be from what it should be: 4 come about by chance once in 16,000 times, and
 /// seeds are fixed.
