@@ -146,9 +146,9 @@ mod tests {
         assert_eq!(hit(&line, V::ZERO, CORNERS[1]), None);
         assert_eq!(hit(&[CORNERS[0]; 3], V::ZERO, CORNERS[0]), None);
         // BadCases of pbrt-v4, shapes_test.cpp: two coordinates are the same at all corners.
-        let upright = [-79.049614, -87.0922699, -79.2090149].map(|y| V::new(-1113.45459, y, -56.2431908));
-        let origin = V::new(-1081.47925, 99.9999542, 87.7701111);
-        assert_eq!(hit(&upright, origin, V::new(-32.1072998, -183.355865, -144.607635)), None);
+        let upright = [-79.049614, -87.09227, -79.209015].map(|y| V::new(-1113.4546, y, -56.24319));
+        let origin = V::new(-1081.4792, 99.999954, 87.77011);
+        assert_eq!(hit(&upright, origin, V::new(-32.1073, -183.35587, -144.60764)), None);
         let nan = [CORNERS[0], CORNERS[1], V::new(f32::NAN, 2.0, -4.0)];
         assert_eq!(hit(&nan, V::new(0.5, 0.25, 0.0), V::new(0.0, 0.0, -1.0)), None);
     }
