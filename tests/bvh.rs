@@ -368,7 +368,7 @@ fn invalid_rays_miss<R: Real>() {
 }
 
 /// Whether `origin + t direction` meets the closed box at some t > 0, in exact arithmetic.
-fn meets(corners: &[[f64; 3]; 2], origin: [f64; 3], direction: [f64; 3]) -> bool {
+pub(crate) fn meets(corners: &[[f64; 3]; 2], origin: [f64; 3], direction: [f64; 3]) -> bool {
     // Both ends of the interval as fractions with positive denominators.
     let (mut near, mut far): (Option<[Exact; 2]>, Option<[Exact; 2]>) = (None, None);
     let less = |a: &[Exact; 2], b: &[Exact; 2]| &a[0] * &b[1] < &b[0] * &a[1];

@@ -26,12 +26,16 @@ in_both_precisions!(
 );
 
 /// `10^x` with x uniform.
-fn magnitude(random: &mut Random, low: f64, high: f64) -> f64 {
+pub(crate) fn magnitude(random: &mut Random, low: f64, high: f64) -> f64 {
     libm::exp10(random.between(low, high))
 }
 
 /// A ray of any length of direction at a sphere: far, grazing, tiny, huge, from inside, from hardly inside or outside.
+<<<<<<< HEAD
 fn sphere_case(random: &mut Random, unit: f64) -> (usize, [f64; 3], f64, [f64; 3], [f64; 3]) {
+=======
+pub(crate) fn sphere_case(random: &mut Random, unit: f64) -> ([f64; 3], f64, [f64; 3], [f64; 3]) {
+>>>>>>> open-cases
     let radius = magnitude(random, -4.0, 5.0);
     let place = random.below(6);
     let distance = radius
@@ -141,7 +145,7 @@ impl std::ops::Sub for ExactVec {
     }
 }
 
-fn one_material<R: Real>() -> OwnedScene<R> {
+pub(crate) fn one_material<R: Real>() -> OwnedScene<R> {
     let mut scene = OwnedScene::default();
     scene.diffuse(0.5, 0.0);
     scene

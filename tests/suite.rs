@@ -50,6 +50,14 @@ mod invariance;
 
 /// Where two walls meet, neither hides the light from the other.
 mod seams;
+/// Hard cases of geometry: boxes and rays without end, degenerate triangles, extreme scales, moved scenes.
+mod hard_cases;
+
+/// Rays and triangles that some test got wrong, bit by bit.
+mod kept_rays;
+
+/// Hard cases of light: chains of mirrors, refraction against exact arithmetic, lights of triangles.
+mod light_cases;
 
 /// The hard cases by their numbers.
 mod cases;

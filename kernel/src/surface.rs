@@ -2,9 +2,10 @@
 
 use crate::effects::{EffectSet, Effects};
 use crate::ray::{Hit, Ray};
-use crate::real::{Real, Vec3, Vector, greater, narrow, widen};
+use crate::real::{Real, Vec3, Vector, greater, narrow};
 use crate::robust::{gamma, normalize, normalize_wide};
 use crate::scene::Scene;
+use crate::shape::triangle::normal;
 
 /// Everything that shading needs to know about a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,9 +87,7 @@ pub(crate) fn surface_point<R: Real, E: EffectSet>(
     let attributes = &scene.attributes()[triangle];
     let corners = geometry.corners(triangle);
     let weights = [R::ONE - hit.u - hit.v, hit.u, hit.v];
-    // The normal of needles needs the wide precision.
-    let [a, b, c] = corners.map(widen::<R>);
-    let ng = narrow::<R>(normalize_wide::<R>((b - a).cross(c - a)));
+    let ng = narrow::<R>(normalize_wide::<R>(normal::<R>(&corners)));
     let terms: [Vec3<R>; 3] = core::array::from_fn(|corner| corners[corner] * weights[corner]);
     let p = terms[0] + terms[1] + terms[2];
     // PBR 4ed, section 6.8.5, and what the rounding of t can add: it comes from all axes of the corners, so it counts

@@ -89,6 +89,16 @@ impl Moments {
         assert!(distance <= limit * error, "{what}: {} is not {expected} +- {error:e}", self.mean());
     }
 
+    /// How many standard errors the mean is from `expected`, beyond the relative error that arithmetic alone may add.
+    pub(crate) fn deviations(&self, expected: f64, rounding: f64) -> f64 {
+        ((self.mean() - expected).abs() - rounding * expected.abs()).max(0.0) / self.variance().sqrt()
+    }
+
+    /// How many standard errors of their difference the means of two samples are apart.
+    pub(crate) fn deviations_from(&self, other: &Self) -> f64 {
+        (self.mean() - other.mean()).abs() / (self.variance() + other.variance()).sqrt()
+    }
+
     /// Fails where chance alone could hide a bias of `relative`: then the test has no power.
     #[track_caller]
     pub(crate) fn assert_precise(&self, what: &str, relative: f64) {

@@ -63,6 +63,16 @@ pub(crate) const SPHERE_T: f64 = 4.0;
 /// Error in u of a number that is rounded once.
 pub(crate) const ROUNDED: f64 = 1.0;
 
+/// Error in u of t from the centre of a sphere. f32: one rounding of an f64 result. f64: the squared length of the
+/// direction 3 u, its inverse 1 u, the square of the radius and the product 1 u each, all halved by the root, and the
+/// root 1 u.
+pub(crate) fn from_centre<R: Real>() -> f64 {
+    by_precision::<R>(2.0, 4.0)
+}
+
+/// How many times as long as a good ray one that is not finite may take: what Embree asks of itself.
+pub(crate) const INVALID_TIME: f64 = 2.5;
+
 /// Distance in u M from an edge within which a triangle may be hit or missed: the shear of its corners.
 pub(crate) const TRIANGLE_EDGE: f64 = 16.0;
 
@@ -111,3 +121,35 @@ pub(crate) const FRESNEL: f64 = 64.0;
 /// Error of a variance, in f64 epsilons of the sum of squares: that sum grows by one rounding per sample, here at
 /// most 200.
 pub(crate) const VARIANCE: f64 = 400.0;
+
+/// Error in u of the length of a mirrored direction, and of its cosine: a scalar product, its double and a difference
+/// round once each for a component, and normalizing takes off what that did to the length.
+pub(crate) const MIRRORED: f64 = 4.0;
+
+/// Error in u / cos_t of a refracted direction: Snell's law magnifies by 1 / cos_t what the sine is off, which is the
+/// normal's and the direction's own rounding and a few products.
+pub(crate) const REFRACTED: f64 = 6.0;
+
+/// The same after refraction there and back: the error there, magnified by the ratio of the indices, and the one back.
+pub(crate) const REVERSED: f64 = 16.0;
+
+/// Difference in u between reflectances from both sides of one refraction: eight roundings each.
+pub(crate) const RECIPROCAL: f64 = 16.0;
+
+/// Difference in u / (cos_i cos_t) between the shares reflected on the way there and, after the direction was rounded,
+/// on the way back: the cosine of that is [`REVERSED`] u / cos_i off, and a share changes by at most 4 / cos_t of it.
+pub(crate) const SHARES: f64 = 4.0 * REVERSED;
+
+/// How many standard errors a mean may be from what it should be: 4 come about by chance once in 16,000 times, and
+/// seeds are fixed.
+pub(crate) const DEVIATIONS: f64 = 4.0;
+
+/// Relative standard error that a mean of light found by chance must reach where a million paths look for a large one.
+pub(crate) const BY_CHANCE: f64 = 2.5e-3;
+
+/// Relative error of a form factor if a polygon stands for the disc around it: it holds the disc of cos(pi / n) times
+/// the radius, and form factors grow no faster than the area.
+pub(crate) fn polygon_for_disc(sides: u32) -> f64 {
+    let half_angle = std::f64::consts::PI / f64::from(sides);
+    half_angle * half_angle
+}

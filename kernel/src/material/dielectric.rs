@@ -23,7 +23,7 @@ pub struct Dielectric<R: Real> {
 ///
 /// `choice` is a number of 32 bits: below the reflected fraction the light is reflected. Both weights are then 1.
 #[inline]
-pub(crate) fn sample<R: Real>(
+pub fn sample<R: Real>(
     point: &SurfacePoint<R>,
     facing: &Facing<R>,
     glass: &Dielectric<R>,

@@ -20,9 +20,9 @@ fn reflect<R: Real>(wo: Vec3<R>, n: Vec3<R>) -> Vec3<R> {
 }
 
 /// The mirrored direction: about the shading normal, or about the geometric one where the first would pass the
-/// surface.
+/// surface. `wo` has length 1 and is on the side of `facing`.
 #[inline]
-pub(crate) fn sample<R: Real>(wo: Vec3<R>, facing: &Facing<R>, mirror: &Mirror<R>) -> BsdfSample<R> {
+pub fn sample<R: Real>(wo: Vec3<R>, facing: &Facing<R>, mirror: &Mirror<R>) -> BsdfSample<R> {
     let about_ns = reflect::<R>(wo, facing.ns);
     let wi = if facing.ng.dot(about_ns) > R::ZERO { about_ns } else { reflect::<R>(wo, facing.ng) };
     BsdfSample { wi, weight: mirror.reflectance, delta: true }

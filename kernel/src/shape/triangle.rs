@@ -7,7 +7,7 @@
 use super::PreparedRay;
 use crate::bvh::Bounds;
 use crate::ray::Ray;
-use crate::real::{Real, Vec3, Vector};
+use crate::real::{Real, Vec3, Vector, WideVec3, widen};
 
 /// What a triangle has beside its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +97,20 @@ pub fn intersect<R: Real>(corners: &[Vec3<R>; 3], ray: &PreparedRay<R>, tmax: R)
     let inverse = R::Wide::ONE / determinant;
     let depth = u * a[2].widen() + v * b[2].widen() + w * c[2].widen();
     let t = R::narrow(depth * inverse * shear.z.widen());
-    if t > ray.tmin && t <= tmax { Some((t, R::narrow(v * inverse), R::narrow(w * inverse))) } else { None }
+    // The shear rounds each corner, so three that lie on one line may seem to span an area. They have no normal.
+    if t > ray.tmin && t <= tmax && normal::<R>(corners) != WideVec3::<R>::ZERO {
+        Some((t, R::narrow(v * inverse), R::narrow(w * inverse)))
+    } else {
+        None
+    }
+}
+
+/// A normal to the front, as long as twice the area; zero where there is none. In the wide precision, which needles
+/// need.
+#[inline]
+pub(crate) fn normal<R: Real>(corners: &[Vec3<R>; 3]) -> WideVec3<R> {
+    let [a, b, c] = corners.map(widen::<R>);
+    (b - a).cross(c - a)
 }
 
 #[cfg(test)]
@@ -132,6 +145,10 @@ mod tests {
         let line = [CORNERS[0], CORNERS[1], (CORNERS[0] + CORNERS[1]) * 0.5];
         assert_eq!(hit(&line, V::ZERO, CORNERS[1]), None);
         assert_eq!(hit(&[CORNERS[0]; 3], V::ZERO, CORNERS[0]), None);
+        // BadCases of pbrt-v4, shapes_test.cpp: two coordinates are the same at all corners.
+        let upright = [-79.049614, -87.09227, -79.209015].map(|y| V::new(-1113.4546, y, -56.24319));
+        let origin = V::new(-1081.4792, 99.999954, 87.77011);
+        assert_eq!(hit(&upright, origin, V::new(-32.1073, -183.35587, -144.60764)), None);
         let nan = [CORNERS[0], CORNERS[1], V::new(f32::NAN, 2.0, -4.0)];
         assert_eq!(hit(&nan, V::new(0.5, 0.25, 0.0), V::new(0.0, 0.0, -1.0)), None);
     }
