@@ -99,8 +99,9 @@ impl<'a> Arbitrary<'a> for AnyRay {
         };
         let ends = [optional(1, bytes)?, optional(2, bytes)?];
         let anchor = |wanted: bool, bytes: &mut Unstructured<'a>| wanted.then(|| bytes.arbitrary()).transpose();
-        // One in four starts at a point of the scene, every other one goes to one.
-        let anchors = [anchor(choices & 12 == 12, bytes)?, anchor(choices & 16 != 0, bytes)?];
+        // One in four starts at a point of the scene, every other one goes to one, and so do those of bytes that ran out:
+        // without a direction they would all be invalid.
+        let anchors = [anchor(choices & 12 == 12, bytes)?, anchor(choices & 16 == 0, bytes)?];
         Ok(Self { origin: bytes.arbitrary()?, direction: bytes.arbitrary()?, anchors, ends })
     }
 }
