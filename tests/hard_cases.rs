@@ -238,7 +238,7 @@ fn spheres_at_extreme_scales_agree_with_exact_arithmetic<R: Real>() {
         let right = Trials::of::<R>("N20", &format!("spheres {class}: hit or miss"));
         let errors = Trials::measured::<R>("N20", &format!("spheres {class}: t"), 1.0, "of its bound");
         for _ in 0..trials(10_000) {
-            let (center, radius, origin, direction) = sphere_case(&mut random, u::<R>());
+            let (_, center, radius, origin, direction) = sphere_case(&mut random, u::<R>());
             let largest = [center, origin].concat().into_iter().map(f64::abs).fold(radius, f64::max);
             let scale = if class.starts_with("1e-20") { 1e-20 / radius } else { 1e18 / largest };
             let [center, origin] = [center, origin].map(|p| v::<R>(p.map(|x| x * scale)));

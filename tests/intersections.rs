@@ -31,11 +31,7 @@ pub(crate) fn magnitude(random: &mut Random, low: f64, high: f64) -> f64 {
 }
 
 /// A ray of any length of direction at a sphere: far, grazing, tiny, huge, from inside, from hardly inside or outside.
-<<<<<<< HEAD
-fn sphere_case(random: &mut Random, unit: f64) -> (usize, [f64; 3], f64, [f64; 3], [f64; 3]) {
-=======
-pub(crate) fn sphere_case(random: &mut Random, unit: f64) -> ([f64; 3], f64, [f64; 3], [f64; 3]) {
->>>>>>> open-cases
+pub(crate) fn sphere_case(random: &mut Random, unit: f64) -> (usize, [f64; 3], f64, [f64; 3], [f64; 3]) {
     let radius = magnitude(random, -4.0, 5.0);
     let place = random.below(6);
     let distance = radius

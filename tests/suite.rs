@@ -50,6 +50,7 @@ mod invariance;
 
 /// Where two walls meet, neither hides the light from the other.
 mod seams;
+
 /// Hard cases of geometry: boxes and rays without end, degenerate triangles, extreme scales, moved scenes.
 mod hard_cases;
 

@@ -18,6 +18,9 @@ pub use triangle::{Shear, TriangleAttributes};
 /// 2^-80 and 2^80.
 const SQUARE_RANGE: [f64; 2] = [1.0 / ((1u128 << 80) as f64), (1u128 << 80) as f64];
 
+/// Coordinates up to which the square of a distance does not overflow: 2^61.
+const REACH: f64 = (1u64 << 61) as f64;
+
 /// A ray with all that is computed once per query.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay<R: Real> {
@@ -32,7 +35,7 @@ pub struct PreparedRay<R: Real> {
     /// How far the origin is from where it should be, at most; scene units.
     error: R::Wide,
     direction: [R; 3],
-    /// The squared length of the direction; NaN where that or its reciprocal is far from 1.
+    /// The squared length of the direction; NaN where that or its reciprocal is far from 1, or the origin very far off.
     square: R,
     /// One over the squared length of the direction; NaN as above.
     inverse_square: R,
@@ -59,7 +62,9 @@ impl<R: Real> PreparedRay<R> {
         let wide_square = wide_direction.dot(wide_direction);
         let wide_inverse_square = R::Wide::ONE / wide_square;
         let square = R::narrow(wide_square);
-        let usual = square > R::from_f64(SQUARE_RANGE[0]) && square < R::from_f64(SQUARE_RANGE[1]);
+        let usual = square > R::from_f64(SQUARE_RANGE[0])
+            && square < R::from_f64(SQUARE_RANGE[1])
+            && ray.origin.abs().max_component() < R::from_f64(REACH);
         let inverse = if boxes { direction.map(|d| R::ONE / d) } else { [R::NAN; 3] };
         Self {
             slabs: Slabs::new(ray.origin.to_array(), inverse),

@@ -1,6 +1,6 @@
 //! Four spheres at once: which of them a ray may hit. Conservative, so that only [`Sphere::intersect`] decides.
 
-use super::{PreparedRay, Sphere};
+use super::{PreparedRay, REACH, Sphere};
 use crate::lanes::Lanes;
 use crate::real::{Real, Vector};
 use crate::robust::gamma;
@@ -8,7 +8,7 @@ use crate::robust::gamma;
 /// Up to four spheres of a leaf, side by side.
 #[derive(Clone, Copy, Debug)]
 pub struct SphereQuad<R: Real> {
-    /// Centres, scene units.
+    /// Centres, scene units; NaN where squares of distances could overflow.
     center: [R::Lanes; 3],
     /// Squared radii, enlarged as [`SphereQuad::candidates`] says: for what lies behind, and for all else.
     behind_square: R::Lanes,
@@ -42,7 +42,10 @@ impl<R: Real> SphereQuad<R> {
         };
         Self {
             center: core::array::from_fn(|axis| {
-                R::Lanes::new(core::array::from_fn(|lane| four[lane].center.to_array()[axis]))
+                R::Lanes::new(four.map(|sphere| {
+                    let near = sphere.center.abs().max_component() < R::from_f64(REACH);
+                    if near { sphere.center.to_array()[axis] } else { R::NAN }
+                }))
             }),
             behind_square: enlarged(8, 1.0),
             reach_square: enlarged(64, 8.0),
@@ -70,8 +73,8 @@ impl<R: Real> SphereQuad<R> {
     /// themselves. The signs of the projections need no margin: one that is wrong is less than `gamma(8) F`, and then
     /// the centre is as far from the line as from the point.
     ///
-    /// A NaN keeps the sphere. [`PreparedRay`] has NaN here for directions so short or long that products underflow;
-    /// for others `MIN_POSITIVE` covers what underflow can take away.
+    /// A NaN keeps the sphere. [`PreparedRay`] has NaN here for directions so short or long that products underflow, and
+    /// for origins so far off that they overflow; for others `MIN_POSITIVE` covers what underflow can take away.
     #[inline(always)]
     pub(crate) fn candidates(&self, ray: &PreparedRay<R>, tmax: Option<R>) -> u32 {
         let splat = R::Lanes::splat;
@@ -119,6 +122,15 @@ mod tests {
         let nearly = sphere(0.0, 1.0 + 1e-7, -5.0, 1.0);
         assert_eq!(candidates(&ray, &[touching, nearly, behind, beside]), 0b0011);
         assert_eq!(candidates(&Ray { tmax: 1.0, ..ray }, &[touching, ahead, around]), 0b0100);
+    }
+
+    #[test]
+    fn spheres_too_far_off_for_squares_are_kept() {
+        let far = Sphere::<f32> { center: V::new(-4.4e19, 0.0, -1e19), radius: 1.8e19, material: 0, inverted: false };
+        let near = Sphere { center: V::ZERO, radius: 1.0, ..far };
+        let across = V::new(0.0, 1.0, 0.0);
+        assert_eq!(candidates(&Ray::new(V::ZERO, across), &[far]) & 1, 1);
+        assert_eq!(candidates(&Ray::new(V::new(-6.4e19, 0.0, 0.0), across), &[near]) & 1, 1);
     }
 
     #[test]
