@@ -48,7 +48,7 @@ const CASES: &[Case] = &[
         "",
     ),
     case("N9", "closed meshes do not leak", &["intersections::closed_meshes_do_not_leak"], ""),
-    case("N10", "no fused operations", &[], "a search of the machine code"),
+    case("N10", "no fused operations", &["machine_code::no_kernel_fuses_operations"], ""),
     case("N11", "rays along grid lines", &["intersections::rays_along_the_grid_of_a_cube_do_not_leak"], ""),
     case("N12", "exactly once on shared edges", &[], "a query of all hits"),
     case(

@@ -1,4 +1,5 @@
-//! What the compiler made of a specialised kernel: an effect outside of its set leaves no instruction behind.
+//! What the compiler made of the kernels: an effect outside of a kernel's set leaves no instruction behind, and no
+//! multiplication is fused with an addition.
 //!
 //! The test disassembles its own program. From the address of a kernel in the host's table it follows every call,
 //! and asks the line tables from which source file and function each instruction comes, inlined ones included.
@@ -10,6 +11,8 @@ use iced_x86::{Decoder, DecoderOptions};
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use ocellus::isa::Isa;
 use ocellus::kernels::{Row, TABLE, TableReal};
+
+use crate::support::trials::Trials;
 
 /// Source files and functions that code can come from, by the effect that they belong to.
 const TRACES: [(&str, &str); 9] = [
@@ -33,6 +36,14 @@ struct Program {
     load_offset: u64,
 }
 
+/// What the code that is reached from an address consists of.
+#[derive(Default)]
+struct Code {
+    /// Every `file function` that it comes from.
+    sources: BTreeSet<String>,
+    mnemonics: BTreeSet<String>,
+}
+
 impl Program {
     fn this() -> Self {
         let path = std::env::current_exe().unwrap();
@@ -51,19 +62,20 @@ impl Program {
         Self { lines: Loader::new(&path).unwrap(), functions, load_offset }
     }
 
-    /// Every `file function` that the code reached from `start` comes from.
-    fn sources(&self, start: u64) -> BTreeSet<String> {
-        let mut sources = BTreeSet::new();
+    /// The code that is reached from `start`.
+    fn code(&self, start: u64) -> Code {
+        let mut found = Code::default();
         let mut seen = BTreeSet::from([start]);
         let mut waiting = vec![start];
         while let Some(address) = waiting.pop() {
             let (_, code) = &self.functions[&address];
             for instruction in Decoder::with_ip(64, code, address, DecoderOptions::NONE) {
+                found.mnemonics.insert(format!("{:?}", instruction.mnemonic()).to_lowercase());
                 let mut frames = self.lines.find_frames(instruction.ip()).unwrap();
                 while let Some(frame) = frames.next().unwrap() {
                     let file = frame.location.and_then(|location| location.file).unwrap_or_default();
                     let function = frame.function.map(|function| function.demangle().unwrap().into_owned());
-                    sources.insert(format!("{file} {}", function.unwrap_or_default()));
+                    found.sources.insert(format!("{file} {}", function.unwrap_or_default()));
                 }
                 // 0 where the instruction is no direct call or jump.
                 let target = instruction.near_branch_target();
@@ -74,14 +86,24 @@ impl Program {
                 }
             }
         }
-        sources
+        found
+    }
+
+    /// The code of a row's kernel.
+    fn kernel<R: TableReal>(&self, row: &Row, isa: Isa) -> Code {
+        let code = self.code(R::kernels(row).of_isa(isa) as usize as u64 - self.load_offset);
+        assert!(
+            code.sources.iter().any(|source| source.contains("kernel/src/path.rs")),
+            "{}, {isa}: not a kernel",
+            row.name
+        );
+        code
     }
 }
 
 /// The effects whose code is found in a row's kernel.
 fn traces<R: TableReal>(program: &Program, row: &Row, isa: Isa) -> BTreeSet<&'static str> {
-    let sources = program.sources(R::kernels(row).of_isa(isa) as usize as u64 - program.load_offset);
-    assert!(sources.iter().any(|source| source.contains("kernel/src/path.rs")), "{}: not a kernel", row.name);
+    let sources = program.kernel::<R>(row, isa).sources;
     let found = |trace: &str| sources.iter().any(|source| source.contains(trace));
     TRACES.iter().filter(|(_, trace)| found(trace)).map(|(effect, _)| *effect).collect()
 }
@@ -98,4 +120,25 @@ fn kernels_hold_the_code_of_their_own_effects_and_no_other() {
             assert_eq!(traces::<f64>(&program, row, isa), own, "{} in f64, {isa}", row.name);
         }
     }
+}
+
+/// N10. A fused operation rounds once where the source says twice, and then edges of triangles may leak.
+#[test]
+fn no_kernel_fuses_operations() {
+    let program = Program::this();
+    let searched = Trials::of::<f32>("N10", "kernels without fused operations, both precisions");
+    for (row, isa) in TABLE.iter().flat_map(|row| [Isa::Baseline, Isa::Avx2].map(|isa| (row, isa))) {
+        for code in [program.kernel::<f32>(row, isa), program.kernel::<f64>(row, isa)] {
+            assert!(code.mnemonics.iter().any(|name| name.ends_with("mulss") || name.ends_with("mulsd")));
+            let fused: Vec<_> = code.mnemonics.iter().filter(|name| is_fused(name)).collect();
+            searched.holds(fused.is_empty(), || format!("{}, {isa}: {fused:?}", row.name));
+        }
+    }
+    assert!(["vfmadd213ss", "vfnmsub231pd", "vfmaddps"].into_iter().all(is_fused) && !is_fused("vmulps"));
+    searched.end(32);
+}
+
+/// Whether it is one of the multiplications with an addition or a subtraction.
+fn is_fused(mnemonic: &str) -> bool {
+    ["vfm", "vfnm"].iter().any(|start| mnemonic.starts_with(start))
 }
