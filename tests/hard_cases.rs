@@ -12,7 +12,7 @@ use crate::bvh::meets;
 use crate::intersections::{magnitude, one_material, sphere_case};
 use crate::support::exact::{ExactVec, exact, root, to_f64};
 use crate::support::in_both_precisions;
-use crate::support::meshes::{Mesh, cube, icosphere};
+use crate::support::meshes::{Mesh, cube, floor, icosphere};
 use crate::support::random::Random;
 use crate::support::scene::{corners, ray, v};
 use crate::support::tolerance::{self, u};
@@ -25,6 +25,7 @@ in_both_precisions!(
     rays_from_the_centre_of_a_sphere_go_one_radius,
     spheres_at_extreme_scales_agree_with_exact_arithmetic,
     moved_meshes_are_hit_alike,
+    a_grazed_floor_is_the_same_through_every_structure,
 );
 
 /// A vector with zeros of both signs among its components, but not only those.
@@ -331,4 +332,44 @@ fn edge_distance<R: Real>(ray: &Ray<R>, corners: [Vec3<R>; 3]) -> f64 {
         to_f64(&((p - &o).dot(&common) / common.length())).abs()
     });
     distances.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// N39. A floor whose triangles are there twice, with cubes and balls that stand on it, and rays almost along it: at
+/// every contact several surfaces are as near as each other, and boxes have no height.
+fn a_grazed_floor_is_the_same_through_every_structure<R: Real>() {
+    let mut random = Random::new(39);
+    let mut scene = one_material::<R>();
+    for _ in 0..2 {
+        scene.mesh(&floor(8.0), 0);
+        scene.mesh(&cube(2).map(|[x, y, z]| [x, y + 1.0, z - 3.0]), 0);
+        scene.mesh(&cube(1).map(|[x, y, z]| [0.3 * x + 2.0, 0.3 * y + 0.3, 0.3 * z]), 0);
+    }
+    for (x, radius) in [(-2.0, 1.0), (-4.5, 0.5), (5.0, 0.1), (5.0, 0.1)] {
+        scene.sphere([x, radius, 0.5 * x], radius, 0);
+    }
+    let rays: Vec<Ray<R>> = (0..trials(20_000))
+        .map(|_| {
+            let [x, _, z] = random.in_cube().map(|x| x * 10.0);
+            let height = [0.0, magnitude(&mut random, -7.0, 0.0)][random.below(2)];
+            // Toward one of those that stand there, or beside it.
+            let [tx, tz] = [[-2.0, -1.0], [-4.5, -2.25], [5.0, 2.5], [0.0, -3.0], [2.0, 0.0]][random.below(5)];
+            let [dx, _, dz] = random.in_cube();
+            let [dx, dz] = [tx - x + dx, tz - z + dz];
+            // Down, along or up by next to nothing.
+            let slope = [0.0, -1.0, 1.0][random.below(3)] * magnitude(&mut random, -8.0, -1.0);
+            ray::<R>([x, height, z], [dx, slope, dz])
+        })
+        .collect();
+    let [none, one_box, bvh] = [None, Some(Structure::Box), Some(Structure::Bvh)].map(|structure| {
+        scene.lend(structure, |scene| {
+            rays.iter().map(|ray| (scene.intersect(ray), scene.occluded(ray))).collect::<Vec<_>>()
+        })
+    });
+    let same = Trials::of::<R>("N39", "rays along a floor with contacts and copies: all, box, BVH");
+    for (at, ray) in rays.iter().enumerate() {
+        let agree = none[at] == one_box[at] && none[at] == bvh[at] && none[at].0.is_some() == none[at].1;
+        same.holds(agree, || format!("{ray:?}: {:?}, {:?}, {:?}", none[at], one_box[at], bvh[at]));
+    }
+    assert!(none.iter().filter(|(hit, _)| hit.is_some()).count() > rays.len() / 4);
+    same.end(20_000);
 }
