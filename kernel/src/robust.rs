@@ -64,13 +64,20 @@ pub fn offset_along_normal<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -
 /// that either may be said to be the first.
 #[inline]
 pub(crate) fn origin_error<R: Real>(p: Vec3<R>, p_error: Vec3<R>, t: R) -> R {
-    let sides = p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2);
+    let sides = error_box::<R>(p, p_error);
     sides.dot(Vec3::<R>::splat(R::from_f64(2.0) + gamma::<R>(16))) + t * gamma::<R>(4)
+}
+
+/// Half the sides of the box around `p` that an offset has to leave: the errors of `p`, and the rounding of the offset
+/// itself.
+#[inline]
+fn error_box<R: Real>(p: Vec3<R>, p_error: Vec3<R>) -> Vec3<R> {
+    p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2)
 }
 
 #[inline]
 fn offset_distance<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> R {
-    ng.abs().dot(p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2))
+    ng.abs().dot(error_box::<R>(p, p_error))
 }
 
 #[cfg(test)]
