@@ -9,11 +9,12 @@ use ocellus_kernel::shape::{PreparedRay, Sphere};
 use ocellus_kernel::{Ray, Scene};
 
 use crate::bvh::meets;
-use crate::intersections::{magnitude, one_material, sphere_case};
+use crate::intersections::one_material;
 use crate::support::exact::{ExactVec, exact, root, to_f64};
 use crate::support::in_both_precisions;
 use crate::support::meshes::{Mesh, cube, floor, icosphere};
 use crate::support::random::Random;
+use crate::support::rays::{magnitude, sphere_case};
 use crate::support::scene::{corners, ray, v};
 use crate::support::tolerance::{self, u};
 use crate::support::trials::{Trials, trials};

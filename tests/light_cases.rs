@@ -15,11 +15,11 @@ use ocellus_kernel::sampler::{AddressedSampler, Sampler};
 use ocellus_kernel::surface::SurfacePoint;
 use ocellus_kernel::{Everything, Ray};
 
-use crate::intersections::magnitude;
 use crate::support::exact::{Exact, ExactVec, exact, root, to_f64};
 use crate::support::in_both_precisions;
 use crate::support::meshes::{Mesh, cube, floor, icosphere};
 use crate::support::random::Random;
+use crate::support::rays::magnitude;
 use crate::support::scene::{CAMERA, OwnedScene, each_path, v, with_view};
 use crate::support::statistics::Moments;
 use crate::support::tolerance::{self, u};

@@ -54,6 +54,9 @@ mod seams;
 /// Hard cases of geometry: boxes and rays without end, degenerate triangles, extreme scales, moved scenes.
 mod hard_cases;
 
+/// What each alternative of accuracy loses.
+mod accuracy;
+
 /// Rays and triangles that some test got wrong, bit by bit.
 mod kept_rays;
 

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::accuracy::AccuracyArgs;
 use crate::assemble::Accel;
+use crate::description::FresnelDescription;
 use crate::diff::Metric;
 use crate::film::Region;
 use crate::isa::IsaChoice;
@@ -62,9 +64,15 @@ pub struct SceneArgs {
     /// Instructions that the kernel may use; the picture is the same.
     #[arg(long, value_enum, default_value = "auto")]
     pub isa: IsaChoice,
+    /// How dielectrics share light between reflection and refraction [default: as the scene says].
+    #[arg(long, value_enum)]
+    pub fresnel: Option<FresnelDescription>,
     /// Print one JSON object on standard output.
     #[arg(long)]
     pub json: bool,
+    /// What exactness is spent on.
+    #[command(flatten)]
+    pub accuracy: AccuracyArgs,
 }
 
 /// `ocellus render`.

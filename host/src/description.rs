@@ -107,7 +107,7 @@ pub enum LightSamplingDescription {
 }
 
 /// How dielectrics share light between reflection and refraction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum FresnelDescription {
     /// Refract wherever refraction is possible.
     None,

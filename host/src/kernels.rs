@@ -1,11 +1,12 @@
 //! The table of kernels: every instantiation there is, and the choice of the smallest that covers a view.
 //!
 //! A row exists only where it was measured to pay: `cargo bench -p ocellus --bench figures -- instructions` prints by
-//! how much.
+//! how much. Each alternative of [`Accuracy`] is there once, alone, on the kernel that does everything.
 
 use std::ops::Range;
 
-use ocellus_kernel::{EffectSet, Effects, Everything, Pixel, Real, View, Work};
+use ocellus_kernel::accuracy::{RayOffset, SlabTest, SphereTest, TriangleTest};
+use ocellus_kernel::{Accuracy, EffectSet, Effects, Everything, Pixel, Real, View, Work};
 
 use crate::error::Error;
 use crate::isa::{self, Isa};
@@ -13,13 +14,15 @@ use crate::isa::{self, Isa};
 /// A kernel: adds samples to a stretch of pixels ([`View::render`]).
 pub type Kernel<R> = fn(&View<'_, R>, u32, u32, Range<u32>, &mut [Pixel]) -> Work;
 
-/// One effect set, compiled for both precisions and each instruction set.
+/// One effect set and accuracy, compiled for both precisions and each instruction set.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Its name in `explain` and `--json`.
     pub name: &'static str,
     /// What it can do.
     pub effects: Effects,
+    /// What exactness it spends time on.
+    pub accuracy: Accuracy,
     f32: Kernels<f32>,
     f64: Kernels<f64>,
 }
@@ -117,7 +120,7 @@ fn render<R: Real, E: EffectSet>(
 }
 
 const fn row<E: EffectSet>(name: &'static str) -> Row {
-    Row { name, effects: E::EFFECTS, f32: Kernels::of::<E>(), f64: Kernels::of::<E>() }
+    Row { name, effects: E::EFFECTS, accuracy: E::ACCURACY, f32: Kernels::of::<E>(), f64: Kernels::of::<E>() }
 }
 
 macro_rules! table {
@@ -154,11 +157,46 @@ table! {
         SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | POINT_LIGHT | INDIRECT | FILTER;
 }
 
-/// The row with the fewest effects that has all of `required`.
+macro_rules! alternatives {
+    ($($kernel:ident $doc:literal = $choice:ident $value:expr;)*) => {
+        $(
+            #[doc = $doc]
+            #[derive(Clone, Copy, Debug)]
+            pub struct $kernel;
+
+            impl EffectSet for $kernel {
+                const EFFECTS: Effects = Effects::EVERYTHING;
+                const ACCURACY: Accuracy = Accuracy { $choice: $value, ..Accuracy::ROBUST };
+            }
+        )*
+
+        /// Kernels that do everything, each with one alternative of [`Accuracy`].
+        pub const ALTERNATIVES: &[Row] = &[$(row::<$kernel>("everything")),*];
+    };
+}
+
+alternatives! {
+    FastTriangles "Triangles by Moller and Trumbore." = triangle TriangleTest::Fast;
+    NarrowTriangles "Watertight triangles without wider numbers." = triangle TriangleTest::Narrow;
+    WideTriangles "Watertight triangles all in wider numbers." = triangle TriangleTest::Wide;
+    UnpaddedBoxes "Boxes exactly as computed." = slab SlabTest::Unpadded;
+    NarrowSpheres "Spheres without wider numbers." = sphere SphereTest::Narrow;
+    ConstantOffset "Rays that start a constant off their surfaces." = offset RayOffset::Constant;
+}
+
+/// The row with the fewest effects that has all of `required`, with this accuracy.
 ///
 /// # Errors
-/// No row has them: the effect set of a newer kernel.
-pub fn select(required: Effects, choice: EffectChoice) -> Result<&'static Row, Error> {
+/// No row has them: the effect set of a newer kernel, or more than one alternative at once.
+pub fn select(required: Effects, choice: EffectChoice, accuracy: Accuracy) -> Result<&'static Row, Error> {
+    if accuracy != Accuracy::ROBUST {
+        return ALTERNATIVES.iter().find(|row| row.accuracy == accuracy).ok_or_else(|| {
+            Error::usage(
+                format!("no kernel has {}", crate::accuracy::describe(accuracy)),
+                format!("choose one of: {}", available()),
+            )
+        });
+    }
     TABLE
         .iter()
         .filter(|row| row.effects.contains(required))
@@ -168,6 +206,12 @@ pub fn select(required: Effects, choice: EffectChoice) -> Result<&'static Row, E
             let names: Vec<_> = required.names().collect();
             Error::usage(format!("no kernel has all of: {}", names.join(", ")), "use --effects all")
         })
+}
+
+/// The accuracies that there are kernels for, in the words of the command line.
+fn available() -> String {
+    let alternatives = ALTERNATIVES.iter().map(|row| crate::accuracy::describe(row.accuracy));
+    alternatives.collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -182,7 +226,7 @@ mod tests {
                 .enumerate()
                 .filter(|(bit, _)| mask >> bit & 1 == 1)
                 .fold(Effects::NONE, |set, (_, (effect, _))| set.union(*effect));
-            let row = select(required, EffectChoice::Auto).unwrap();
+            let row = select(required, EffectChoice::Auto, Accuracy::ROBUST).unwrap();
             assert!(row.effects.contains(required));
         }
     }

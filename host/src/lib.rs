@@ -4,6 +4,7 @@
 //! slices of it, in the precision chosen; [`kernels`] picks the smallest kernel that covers it; [`render`] runs it on
 //! all threads into a [`film::Film`]; [`output`] writes pictures. [`commands`] is the program's face.
 
+pub mod accuracy;
 pub mod assemble;
 pub mod cli;
 pub mod commands;

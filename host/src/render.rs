@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use ocellus_kernel::{Effects, View, Work};
+use ocellus_kernel::{Accuracy, Effects, View, Work};
 use rayon::prelude::*;
 
 use crate::assemble::{Accel, SetupReport, with_view};
@@ -48,6 +48,8 @@ pub struct RenderSettings {
     pub accel: Accel,
     /// Which kernels may be used.
     pub effects: EffectChoice,
+    /// What exactness they spend time on.
+    pub accuracy: Accuracy,
     /// Which instructions may be used.
     pub isa: IsaChoice,
 }
@@ -63,6 +65,7 @@ impl RenderSettings {
             precision: Precision::default(),
             accel: Accel::default(),
             effects: EffectChoice::default(),
+            accuracy: Accuracy::default(),
             isa: IsaChoice::default(),
         }
     }
@@ -148,7 +151,7 @@ fn render_in<R: TableReal>(
         .map_err(|error| Error::usage(format!("cannot start threads: {error}"), "ask for fewer with --threads"))?;
     with_view::<R, _>(description, settings.accel, |view, setup| {
         let required = view.required_effects();
-        let row = select(required, settings.effects)?;
+        let row = select(required, settings.effects, settings.accuracy)?;
         let isa = Isa::select(settings.isa)?;
         let mut film = Film::try_new(region)
             .map_err(|error| Error::usage(error.to_string(), "ask for a smaller --size, or for parts with --crop"))?;

@@ -20,6 +20,8 @@
 //! A kernel is compiled for a set of them, an [`EffectSet`]. An effect outside of the set leaves no code behind; a
 //! scene must only be given to a kernel whose set contains the scene's own ([`crate::View::required_effects`]).
 
+use crate::accuracy::Accuracy;
+
 /// A set of effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Effects(u32);
@@ -103,10 +105,12 @@ impl Effects {
     }
 }
 
-/// The effects a kernel is compiled for.
+/// What a kernel is compiled for.
 pub trait EffectSet: Copy + Send + Sync + 'static {
-    /// The set.
+    /// The effects.
     const EFFECTS: Effects;
+    /// What exactness it spends its time on.
+    const ACCURACY: Accuracy = Accuracy::ROBUST;
 }
 
 /// The kernel that can do all there is.

@@ -23,6 +23,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod accuracy;
 pub mod bvh;
 pub mod camera;
 pub mod effects;
@@ -45,6 +46,7 @@ mod vector;
 pub mod view;
 pub mod warp;
 
+pub use accuracy::Accuracy;
 pub use camera::{Camera, CameraSettings, Filter};
 pub use effects::{EffectSet, Effects, Everything};
 pub use film::{ImageHash, Pixel};

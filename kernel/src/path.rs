@@ -5,7 +5,6 @@ use crate::light::{self, LightSampling};
 use crate::material::{Diffuse, Fresnel, Scattering, dielectric, diffuse, mirror};
 use crate::ray::{Departure, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector};
-use crate::robust::{offset_along_normal, offset_ray_origin, origin_error};
 use crate::sampler::{Block, Sampler};
 use crate::scene::Scene;
 use crate::surface::{SurfacePoint, surface_point};
@@ -95,19 +94,19 @@ pub fn radiance<R: Real, E: EffectSet>(
         sampler.begin_vertex(bounce + 1);
         let numbers = sampler.numbers(Block::Scatter);
         let facing = point.toward_viewer::<E>();
-        departure.error = origin_error::<R>(point.p, point.p_error, hit.t);
-        let outside = |front: bool| outside_of::<R, E>(scene, hit.primitive, front);
+        let leave = |ng: Vec3<R>, front: bool| {
+            Departure::from::<E>(&point, hit.t, ng, outside_of::<R, E>(scene, hit.primitive, front))
+        };
         let sample = match &material.scattering {
             Scattering::Mirror(glossy) if const { E::EFFECTS.contains(Effects::MIRROR) } => {
                 let sample = mirror::sample(point.wo, &facing, glossy);
-                departure.origin = offset_along_normal::<R>(point.p, point.p_error, facing.ng);
-                departure.sphere = outside(facing.front);
+                departure = leave(facing.ng, facing.front);
                 sample
             }
             Scattering::Dielectric(glass) if const { E::EFFECTS.contains(Effects::GLASS) } => {
                 let sample = dielectric::sample(&point, &facing, glass, options.fresnel, numbers[2]);
-                departure.origin = offset_ray_origin::<R>(point.p, point.p_error, point.ng, sample.wi);
-                departure.sphere = outside(sample.wi.dot(point.ng) > R::ZERO);
+                let front = sample.wi.dot(point.ng) > R::ZERO;
+                departure = leave(if front { point.ng } else { -point.ng }, front);
                 sample
             }
             Scattering::Diffuse(surface) => {
@@ -115,8 +114,7 @@ pub fn radiance<R: Real, E: EffectSet>(
                 if albedo == Vec3::<R>::ZERO {
                     break;
                 }
-                departure.origin = offset_along_normal::<R>(point.p, point.p_error, facing.ng);
-                departure.sphere = outside(facing.front);
+                departure = leave(facing.ng, facing.front);
                 if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
                     let light = sampler.numbers(Block::Light);
                     let arriving = light::direct::<R, E>(scene, options, &point, &facing, &departure, light, &mut rays);

@@ -1,5 +1,7 @@
 //! Every error bound of the kernel, each derived from unit roundoff; none is tuned.
 
+#[cfg(doc)]
+use crate::accuracy::RayOffset;
 use crate::real::{Real, Vec3, Vector, WideVec3, narrow, widen};
 
 /// `n u / (1 - n u)`, the bound on the relative error of `n` roundings (Higham 2002, section 3.1).
@@ -56,6 +58,9 @@ pub fn offset_ray_origin<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>, w: 
 pub fn offset_along_normal<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> Vec3<R> {
     p + ng * offset_distance::<R>(p, p_error, ng)
 }
+
+/// How far off a surface rays start that do not ask for its error, scene units: [`RayOffset::Constant`].
+pub const CONSTANT_OFFSET: f64 = 1e-3;
 
 /// How far an origin put off a surface at `p` can be from the exact point that a ray of unit direction first meets.
 ///

@@ -228,6 +228,16 @@ fn an_output_that_is_a_texture_of_the_scene_or_named_twice() {
 }
 
 #[test]
+fn two_accuracies_at_once_that_no_kernel_has() {
+    let arguments = ["render", "ball.toml", "--triangle-test", "fast", "--slab-test", "unpadded", "-o", "a.png"];
+    let says = [
+        "no kernel has --triangle-test fast --slab-test unpadded",
+        "--triangle-test fast, --triangle-test narrow, --triangle-test wide, --slab-test unpadded, --sphere-test narrow",
+    ];
+    Refusal { files: &[], arguments: &arguments, code: 2, says: &says }.check();
+}
+
+#[test]
 fn an_output_that_is_a_device() {
     let folder = Folder::with_ball();
     std::os::unix::fs::symlink("/dev/null", folder.path("null.png")).expect("a link");

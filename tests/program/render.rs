@@ -71,6 +71,7 @@ fn the_report_has_every_key() {
         ("max_bounces", json!(7)),
         ("effects", json!(["spheres", "sphere-light", "indirect"])),
         ("precision", json!("f32")),
+        ("accuracy", json!("robust")),
         ("accel", json!("bvh")),
         ("threads", json!(2)),
         ("paths", json!(6 * 6 * 3)),
@@ -90,6 +91,20 @@ fn the_report_has_every_key() {
     assert!(report["rays"].as_u64() >= report["paths"].as_u64());
     let one = folder.render(&["ball.toml", "--spp", "1", "-o", "a.exr"]);
     assert!(one["estimated_rmse"].is_null(), "one sample tells nothing about its error");
+}
+
+#[test]
+fn accuracy_is_chosen_and_reported() {
+    let folder = Folder::with_ball();
+    let robust = folder.render(&["ball.toml", "-o", "a.exr"]);
+    let arguments = ["ball.toml", "--sphere-test", "narrow", "--triangle-test", "watertight", "-o", "b.exr"];
+    let narrow = folder.render(&arguments);
+    assert_eq!((&narrow["accuracy"], &narrow["kernel"]), (&json!("--sphere-test narrow"), &json!("everything")));
+    assert_ne!(narrow["image_hash"], robust["image_hash"], "less exact spheres change some bits");
+    let explained = folder.run(&["explain", "ball.toml", "--ray-offset", "constant"]).with_code(0);
+    assert!(explained.stdout.contains("\naccuracy --ray-offset constant\n"), "{}", explained.stdout);
+    let summary = folder.run(&["render", "ball.toml", "--slab-test", "unpadded", "-o", "c.exr"]).with_code(0).stderr;
+    assert!(summary.contains("kernel everything with --slab-test unpadded"), "{summary}");
 }
 
 #[test]

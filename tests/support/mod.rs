@@ -2,10 +2,12 @@
 
 pub(crate) mod counting_allocator;
 pub(crate) mod exact;
+pub(crate) mod losses;
 pub(crate) mod meshes;
 pub(crate) mod pictures;
 pub(crate) mod property;
 pub(crate) mod random;
+pub(crate) mod rays;
 pub(crate) mod scene;
 pub(crate) mod statistics;
 pub(crate) mod tolerance;

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::streams::print;
 use super::words::{bytes, counted, wrapped};
 use super::{load, origins};
+use crate::accuracy::describe;
 use crate::assemble::{SetupReport, with_view};
 use crate::cli::SceneArgs;
 use crate::demand::{Demand, demands};
@@ -87,7 +88,7 @@ fn explain<'a, R: TableReal>(args: &'a SceneArgs, scene: &'a SceneDescription) -
             args,
             scene,
             demands: demands(scene),
-            row: select(view.required_effects(), args.effects)?,
+            row: select(view.required_effects(), args.effects, args.accuracy.into())?,
             isa: Isa::select(args.isa)?,
             setup: *setup,
             bvh: view.scene.bvh().map(|bvh| BvhFigures::of(bvh.nodes())),
@@ -137,6 +138,7 @@ impl Explanation<'_> {
             counted(has as u64, "effect"),
             self.isa,
         )?;
+        writeln!(out, "accuracy {}", describe(self.row.accuracy))?;
 
         writeln!(out, "\neffects that are on, and the lines that ask for them")?;
         for demand in self.demands.iter().filter(|demand| !demand.origins.is_empty()) {
@@ -200,6 +202,7 @@ impl Explanation<'_> {
             "scene": self.args.scene.display().to_string(),
             "precision": self.args.precision.to_string(),
             "kernel": self.row.name,
+            "accuracy": describe(self.row.accuracy),
             "isa": self.isa.to_string(),
             "kernel_effects": self.row.effects.names().collect::<Vec<_>>(),
             "effects": effects,

@@ -38,6 +38,9 @@ fn load(args: &SceneArgs) -> Result<SceneDescription, Error> {
     if let Some(seed) = args.seed {
         scene.integrator.seed = seed;
     }
+    if let Some(fresnel) = args.fresnel {
+        scene.integrator.fresnel = fresnel;
+    }
     for warning in &scene.warnings {
         tell(format_args!("warning: {warning}"));
     }

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use ocellus_kernel::Accuracy;
 use serde_json::{Value, json};
 
 use super::load;
 use super::streams::{print, tell};
 use super::words::{abridged, counted, duration};
+use crate::accuracy::describe;
 use crate::cli::RenderArgs;
 use crate::description::SceneDescription;
 use crate::error::{Error, ExitCode};
@@ -97,6 +99,7 @@ fn settings(args: &RenderArgs, scene: &SceneDescription) -> RenderSettings {
         precision: args.scene.precision,
         accel: args.scene.accel,
         effects: args.scene.effects,
+        accuracy: args.scene.accuracy.into(),
         isa: args.scene.isa,
     }
 }
@@ -123,6 +126,7 @@ fn report(
         "max_bounces": scene.integrator.max_bounces,
         "effects": rendering.required.names().collect::<Vec<_>>(),
         "kernel": rendering.row.name,
+        "accuracy": describe(rendering.row.accuracy),
         "precision": settings.precision.to_string(),
         "accel": settings.accel.to_string(),
         "threads": rendering.threads,
@@ -165,11 +169,13 @@ fn summarize(rendering: &Rendering, settings: &RenderSettings) {
         true => format!("stopped early: pixels have {fewest} to {most} of {asked} after {took}"),
     });
     let rate = |count: u64| abridged(count as f64 / seconds.max(1e-9));
+    let robust = rendering.row.accuracy == Accuracy::ROBUST;
     tell(format_args!(
-        "{} paths/s, {} rays/s; kernel {}; image hash {:016x}",
+        "{} paths/s, {} rays/s; kernel {}{}; image hash {:016x}",
         rate(rendering.work.paths),
         rate(rendering.work.rays),
         rendering.row.name,
+        if robust { String::new() } else { format!(" with {}", describe(rendering.row.accuracy)) },
         film.image_hash(),
     ));
     let non_finite = film.non_finite();

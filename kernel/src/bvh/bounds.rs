@@ -1,5 +1,6 @@
 //! Axis-aligned boxes and the one slab test that everything uses.
 
+use crate::effects::EffectSet;
 use crate::real::{Real, Vec3, Vector, greater, lesser};
 use crate::robust::{slab_far_padding, slab_near_padding};
 use crate::shape::PreparedRay;
@@ -72,8 +73,8 @@ impl<R: Real> Bounds<R> {
 pub struct Slabs<R: Real> {
     /// Origin, scene units.
     origin: [R; 3],
-    /// One over each component of the direction, padded for the near side of a slab, and minus that padded for the
-    /// far side; infinite where the component is zero.
+    /// One over each component of the direction, for the near side of a slab, and minus that for the far side, padded
+    /// if [`Accuracy`](crate::Accuracy) says so; infinite where the component is zero.
     inverse: [[R; 3]; 2],
     /// Whether the direction's sign bit is set: then a slab is entered through its upper side.
     negative: [bool; 3],
@@ -82,10 +83,15 @@ pub struct Slabs<R: Real> {
 impl<R: Real> Slabs<R> {
     /// From an origin and one over each component of a direction.
     #[inline]
-    pub(crate) fn new(origin: [R; 3], inverse: [R; 3]) -> Self {
+    pub(crate) fn new<E: EffectSet>(origin: [R; 3], inverse: [R; 3]) -> Self {
+        let pads = if const { E::ACCURACY.pads_boxes() } {
+            [slab_near_padding::<R>(), -slab_far_padding::<R>()]
+        } else {
+            [R::ONE, -R::ONE]
+        };
         Self {
             origin,
-            inverse: [slab_near_padding::<R>(), -slab_far_padding::<R>()].map(|pad| inverse.map(|d| d * pad)),
+            inverse: pads.map(|pad| inverse.map(|d| d * pad)),
             negative: inverse.map(|d| d.is_sign_negative()),
         }
     }

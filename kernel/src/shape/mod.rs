@@ -4,6 +4,7 @@ pub mod sphere;
 mod sphere_quad;
 pub mod triangle;
 
+use crate::accuracy::{SphereTest, TriangleTest};
 use crate::bvh::{Bounds, Slabs};
 use crate::effects::{EffectSet, Effects, Everything};
 use crate::error::GeometryError;
@@ -43,6 +44,7 @@ pub struct PreparedRay<R: Real> {
     wide_direction: WideVec3<R>,
     wide_inverse_square: R::Wide,
     shear: Shear<R>,
+    wide_shear: Shear<R::Wide>,
 }
 
 impl<R: Real> PreparedRay<R> {
@@ -56,18 +58,26 @@ impl<R: Real> PreparedRay<R> {
     #[inline(always)]
     pub(crate) fn new_in<E: EffectSet, const BOXES: bool>(ray: &Ray<R>, from: &Departure<R>) -> Self {
         // Triangles are always tested against their own box, and so are spheres where `Sphere::has_in_box` says no.
-        let boxes = const { BOXES || R::WIDE_IS_SELF || E::EFFECTS.contains(Effects::TRIANGLES) };
+        let boxes = const { BOXES || E::EFFECTS.contains(Effects::TRIANGLES) || needs_boxes_of_spheres::<R, E>() };
+        let triangles = const { E::EFFECTS.contains(Effects::TRIANGLES) };
+        let wide_triangles = const { matches!(E::ACCURACY.triangle, TriangleTest::Wide) };
         let direction = ray.direction.to_array();
         let wide_direction = widen::<R>(ray.direction);
-        let wide_square = wide_direction.dot(wide_direction);
-        let wide_inverse_square = R::Wide::ONE / wide_square;
+        // What decides about spheres is in the precision of their test.
+        let (wide_square, wide_inverse_square) = if const { matches!(E::ACCURACY.sphere, SphereTest::Narrow) } {
+            let square = ray.direction.dot(ray.direction);
+            (square.widen(), (R::ONE / square).widen())
+        } else {
+            let square = wide_direction.dot(wide_direction);
+            (square, R::Wide::ONE / square)
+        };
         let square = R::narrow(wide_square);
         let usual = square > R::from_f64(SQUARE_RANGE[0])
             && square < R::from_f64(SQUARE_RANGE[1])
             && ray.origin.abs().max_component() < R::from_f64(REACH);
         let inverse = if boxes { direction.map(|d| R::ONE / d) } else { [R::NAN; 3] };
         Self {
-            slabs: Slabs::new(ray.origin.to_array(), inverse),
+            slabs: Slabs::new::<E>(ray.origin.to_array(), inverse),
             origin: ray.origin.to_array(),
             tmin: ray.tmin,
             departed: from.sphere,
@@ -78,8 +88,9 @@ impl<R: Real> PreparedRay<R> {
             wide_origin: widen::<R>(ray.origin),
             wide_direction,
             wide_inverse_square,
-            shear: if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
-                Shear::new(ray, inverse)
+            shear: if triangles && !wide_triangles { Shear::new(ray.direction, inverse) } else { Shear::NONE },
+            wide_shear: if triangles && wide_triangles {
+                Shear::new(wide_direction, wide_direction.to_array().map(|d| R::Wide::ONE / d))
             } else {
                 Shear::NONE
             },
@@ -175,7 +186,7 @@ impl<'a, R: Real> Geometry<'a, R> {
     pub(crate) fn test_all<E: EffectSet, const ANY: bool>(&self, ray: &PreparedRay<R>, best: &mut Hit<R>) {
         if const { E::EFFECTS.contains(Effects::SPHERES) } {
             for index in (0..self.spheres.len() as u32).filter(|&index| index != ray.departed) {
-                self.test_sphere(ray, index, best);
+                self.test_sphere::<E>(ray, index, best);
                 if ANY && best.primitive != NO_PRIMITIVE {
                     return;
                 }
@@ -183,7 +194,7 @@ impl<'a, R: Real> Geometry<'a, R> {
         }
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
             for index in self.spheres.len()..self.len() {
-                self.test_triangle(ray, index as u32, best);
+                self.test_triangle::<E>(ray, index as u32, best);
                 if ANY && best.primitive != NO_PRIMITIVE {
                     return;
                 }
@@ -201,7 +212,7 @@ impl<'a, R: Real> Geometry<'a, R> {
     ) {
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
             for &index in triangles {
-                self.test_triangle(ray, index, best);
+                self.test_triangle::<E>(ray, index, best);
                 if ANY && best.primitive != NO_PRIMITIVE {
                     return;
                 }
@@ -239,7 +250,7 @@ impl<'a, R: Real> Geometry<'a, R> {
                 if const { !SINGLE } && index == ray.departed {
                     continue;
                 }
-                self.test_sphere(ray, index, best);
+                self.test_sphere::<E>(ray, index, best);
                 if ANY && best.primitive != NO_PRIMITIVE {
                     return;
                 }
@@ -248,14 +259,14 @@ impl<'a, R: Real> Geometry<'a, R> {
     }
 
     #[inline(always)]
-    fn test_sphere(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
+    fn test_sphere<E: EffectSet>(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
         let sphere = &self.spheres[index as usize];
-        if let Some(t) = sphere.intersect(ray, best.t) {
+        if let Some(t) = sphere.intersect_in::<E>(ray, best.t) {
             let found = Hit { t, u: R::ZERO, v: R::ZERO, primitive: index };
-            if sphere.has_in_box(ray, t) {
-                best.keep_closer(found);
-            } else if const { R::WIDE_IS_SELF } {
+            if const { needs_boxes_of_spheres::<R, E>() } {
                 accept(sphere.bounds().entry(ray, best.t), found, best);
+            } else if sphere.has_in_box(ray, t) {
+                best.keep_closer(found);
             } else {
                 let near = entry_apart(sphere.bounds(), ray.origin, ray.direction, ray.tmin, best.t);
                 accept(near, found, best);
@@ -264,12 +275,17 @@ impl<'a, R: Real> Geometry<'a, R> {
     }
 
     #[inline(always)]
-    fn test_triangle(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
+    fn test_triangle<E: EffectSet>(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
         let corners = self.corners(index as usize - self.spheres.len());
-        if let Some((t, u, v)) = triangle::intersect(&corners, ray, best.t) {
+        if let Some((t, u, v)) = triangle::intersect_in::<R, E>(&corners, ray, best.t) {
             accept(triangle::bounds(&corners).entry(ray, best.t), Hit { t, u, v, primitive: index }, best);
         }
     }
+}
+
+/// Whether every hit of a sphere is tested against the sphere's own box: no proof says that it can be left out.
+const fn needs_boxes_of_spheres<R: Real, E: EffectSet>() -> bool {
+    R::WIDE_IS_SELF || !E::ACCURACY.proves_boxes_of_spheres()
 }
 
 /// Makes a hit the best, if the ray enters the primitive's own box, at `near`, and the hit wins.
@@ -285,5 +301,5 @@ fn accept<R: Real>(near: Option<R>, found: Hit<R>, best: &mut Hit<R>) {
 #[cold]
 #[inline(never)]
 fn entry_apart<R: Real>(own: Bounds<R>, origin: [R; 3], direction: [R; 3], tmin: R, tmax: R) -> Option<R> {
-    own.entry_between(&Slabs::new(origin, direction.map(|d| R::ONE / d)), tmin, tmax)
+    own.entry_between(&Slabs::new::<Everything>(origin, direction.map(|d| R::ONE / d)), tmin, tmax)
 }

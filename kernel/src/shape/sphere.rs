@@ -1,7 +1,9 @@
 //! Spheres: a quadratic that does not cancel (Haines, Günther, Akenine-Möller, Ray Tracing Gems 2019, chapter 7).
 
 use super::PreparedRay;
+use crate::accuracy::SphereTest;
 use crate::bvh::Bounds;
+use crate::effects::{EffectSet, Everything};
 use crate::real::{Real, Vec3, Vector, WideVec3, narrow, widen};
 use crate::robust::{gamma, normalize_wide};
 
@@ -47,57 +49,37 @@ impl<R: Real> Sphere<R> {
     /// Let f32 hits lie within `2^19 r` of the origin. In f64 both roots then put the ray within `2^-28 r` of the
     /// sphere, and the box is wider than the sphere by at least `u r`: the exact ray is in the box at both. The slab
     /// test finds the entry at most `(1 + u)^4 (1 - 6 u)` times as far as it is, and `t` is rounded by at most `u`. No
-    /// axis overflows: the reciprocal of one that the ray has yet to enter is less than `2^85`. Where the wide
-    /// precision adds no bits there is no such margin.
+    /// axis overflows: the reciprocal of one that the ray has yet to enter is less than `2^85`. So it takes the wide
+    /// test, in a precision that adds bits, and padded boxes.
     #[inline(always)]
     pub(super) fn has_in_box(&self, ray: &PreparedRay<R>, t: R) -> bool {
         let reach = self.radius * R::from_f64((1u32 << 19) as f64);
         // Not where either product over- or underflows, and not where the ray's square is NaN.
-        !R::WIDE_IS_SELF && t * t * ray.square < reach * reach
+        t * t * ray.square < reach * reach
     }
 
     /// The nearest t in `tmin < t <= tmax`.
     ///
     /// The distance of the centre from the line is measured at the foot of its perpendicular, so that neither a far
-    /// origin nor a huge radius cancels; all in the wide precision. Where that adds no bits, the foot is refined once
-    /// and the root that would cancel is taken from the product of the roots.
+    /// origin nor a huge radius cancels; all in the wide precision.
     #[inline]
     pub fn intersect(&self, ray: &PreparedRay<R>, tmax: R) -> Option<R> {
-        let (d, inverse_square) = (ray.wide_direction, ray.wide_inverse_square);
-        let to_center = widen::<R>(self.center) - ray.wide_origin;
-        let radius = self.radius.widen();
-        let radius_square = radius * radius;
-        let along = to_center.dot(d);
-        // Behind an origin outside of the sphere, or not inside by more than its error: where two walls meet, a ray that
-        // leaves one must not start behind the other.
-        let doubtful = radius * (ray.error + ray.error);
-        if along < R::Wide::ZERO && to_center.dot(to_center) + doubtful > radius_square {
-            return None;
-        }
-        let mut t_foot = along * inverse_square;
-        let mut foot = to_center - d * t_foot;
-        if const { R::WIDE_IS_SELF } {
-            let correction = foot.dot(d) * inverse_square;
-            t_foot = t_foot + correction;
-            foot = foot - d * correction;
-        }
-        let foot_square = foot.dot(foot);
-        if !(foot_square <= radius_square) {
-            return None;
-        }
-        let (near, far) = if const { R::WIDE_IS_SELF } {
-            let foot_length = foot_square.sqrt();
-            let half = ((radius - foot_length) * (radius + foot_length) * inverse_square).sqrt();
-            let stable = t_foot + half.copysign(t_foot);
-            let distance = to_center.dot(to_center).sqrt();
-            let product = (distance - radius) * (distance + radius) * inverse_square;
-            let other = if stable == R::Wide::ZERO { R::Wide::ZERO } else { product / stable };
-            if stable < other { (stable, other) } else { (other, stable) }
+        self.intersect_in::<Everything>(ray, tmax)
+    }
+
+    /// [`Sphere::intersect`] as accurately as a kernel asks.
+    #[inline(always)]
+    pub(super) fn intersect_in<E: EffectSet>(&self, ray: &PreparedRay<R>, tmax: R) -> Option<R> {
+        let (near, far) = if const { matches!(E::ACCURACY.sphere, SphereTest::Narrow) } {
+            let [origin, direction] = [ray.origin, ray.direction].map(Vec3::<R>::from_array);
+            let inverse_square = R::narrow(ray.wide_inverse_square);
+            roots(self.center - origin, self.radius, direction, inverse_square, R::narrow(ray.error), true)?
         } else {
-            let half = ((radius_square - foot_square) * inverse_square).sqrt();
-            (t_foot - half, t_foot + half)
+            let to_center = widen::<R>(self.center) - ray.wide_origin;
+            let (d, inverse_square) = (ray.wide_direction, ray.wide_inverse_square);
+            let wide = roots(to_center, self.radius.widen(), d, inverse_square, ray.error, R::WIDE_IS_SELF)?;
+            (R::narrow(wide.0), R::narrow(wide.1))
         };
-        let (near, far) = (R::narrow(near), R::narrow(far));
         let t = if near > ray.tmin { near } else { far };
         if t > ray.tmin && t <= tmax { Some(t) } else { None }
     }
@@ -122,6 +104,51 @@ impl<R: Real> Sphere<R> {
         let from_center = widen::<R>(ray.origin) - widen::<R>(self.center);
         self.point_toward(from_center + widen::<R>(ray.direction) * t.widen())
     }
+}
+
+/// Where a line meets a sphere, the nearer first. `None` where it does not, or where the sphere lies behind the origin.
+///
+/// In a precision that is not wider than the input's it has to be `stable`: then the foot is refined once, and the root
+/// that would cancel is taken from the product of the roots.
+#[inline(always)]
+fn roots<C: Real>(
+    to_center: Vec3<C>,
+    radius: C,
+    d: Vec3<C>,
+    inverse_square: C,
+    error: C,
+    stable: bool,
+) -> Option<(C, C)> {
+    let radius_square = radius * radius;
+    let along = to_center.dot(d);
+    // Behind an origin outside of the sphere, or not inside by more than its error: where two walls meet, a ray that
+    // leaves one must not start behind the other.
+    let doubtful = radius * (error + error);
+    if along < C::ZERO && to_center.dot(to_center) + doubtful > radius_square {
+        return None;
+    }
+    let mut t_foot = along * inverse_square;
+    let mut foot = to_center - d * t_foot;
+    if stable {
+        let correction = foot.dot(d) * inverse_square;
+        t_foot = t_foot + correction;
+        foot = foot - d * correction;
+    }
+    let foot_square = foot.dot(foot);
+    if !(foot_square <= radius_square) {
+        return None;
+    }
+    if !stable {
+        let half = ((radius_square - foot_square) * inverse_square).sqrt();
+        return Some((t_foot - half, t_foot + half));
+    }
+    let foot_length = foot_square.sqrt();
+    let half = ((radius - foot_length) * (radius + foot_length) * inverse_square).sqrt();
+    let larger = t_foot + half.copysign(t_foot);
+    let distance = to_center.dot(to_center).sqrt();
+    let product = (distance - radius) * (distance + radius) * inverse_square;
+    let other = if larger == C::ZERO { C::ZERO } else { product / larger };
+    Some(if larger < other { (larger, other) } else { (other, larger) })
 }
 
 #[cfg(test)]

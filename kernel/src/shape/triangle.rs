@@ -5,8 +5,9 @@
 //! a closed mesh can pass between its triangles.
 
 use super::PreparedRay;
+use crate::accuracy::TriangleTest;
 use crate::bvh::Bounds;
-use crate::ray::Ray;
+use crate::effects::{EffectSet, Everything};
 use crate::real::{Real, Vec3, Vector, WideVec3, widen};
 
 /// What a triangle has beside its corners.
@@ -44,10 +45,10 @@ impl<R: Real> Shear<R> {
     /// Stands where no triangle will be tested.
     pub(super) const NONE: Self = Self { longest: 0, x: R::ZERO, y: R::ZERO, z: R::ZERO };
 
-    /// The shear of a ray's direction, of which `inverse` holds one over each component.
-    #[inline]
-    pub(super) fn new(ray: &Ray<R>, inverse: [R; 3]) -> Self {
-        let size = ray.direction.abs();
+    /// The shear of a direction, of which `inverse` holds one over each component.
+    #[inline(always)]
+    pub(super) fn new(direction: Vec3<R>, inverse: [R; 3]) -> Self {
+        let size = direction.abs();
         let longest: u8 = if size.x() > size.y() {
             if size.x() > size.z() { 0 } else { 2 }
         } else if size.y() > size.z() {
@@ -55,7 +56,7 @@ impl<R: Real> Shear<R> {
         } else {
             2
         };
-        let [x, y, z] = permute::<R>(ray.direction, longest);
+        let [x, y, z] = permute::<R>(direction, longest);
         Self { longest, x: x / z, y: y / z, z: inverse[longest as usize] }
     }
 }
@@ -75,17 +76,59 @@ pub fn bounds<R: Real>(corners: &[Vec3<R>; 3]) -> Bounds<R> {
 /// Both sides count, edges and corners count. Triangles without area and with NaN corners do not.
 #[inline]
 pub fn intersect<R: Real>(corners: &[Vec3<R>; 3], ray: &PreparedRay<R>, tmax: R) -> Option<(R, R, R)> {
-    let shear = &ray.shear;
+    intersect_in::<R, Everything>(corners, ray, tmax)
+}
+
+/// [`intersect`] as accurately as a kernel asks.
+#[inline(always)]
+pub(super) fn intersect_in<R: Real, E: EffectSet>(
+    corners: &[Vec3<R>; 3],
+    ray: &PreparedRay<R>,
+    tmax: R,
+) -> Option<(R, R, R)> {
     let origin = Vec3::<R>::from_array(ray.origin);
+    let [t, u, v] = match const { E::ACCURACY.triangle } {
+        TriangleTest::Fast => moller_trumbore(corners, origin, Vec3::<R>::from_array(ray.direction))?,
+        TriangleTest::Narrow => {
+            let edge = |a, b, c, d| a * b - c * d;
+            woop(corners.map(|corner| corner - origin), &ray.shear, edge, |x| x)?
+        }
+        TriangleTest::Watertight => {
+            let to_corners = corners.map(|corner| corner - origin);
+            woop(to_corners, &ray.shear, R::difference_of_products, R::widen)?.map(R::narrow)
+        }
+        TriangleTest::Wide => {
+            let to_corners = corners.map(|corner| widen::<R>(corner) - ray.wide_origin);
+            woop(to_corners, &ray.wide_shear, R::Wide::difference_of_products, |x| x)?.map(R::narrow)
+        }
+    };
+    if !(t > ray.tmin && t <= tmax) {
+        return None;
+    }
+    // The shear rounds each corner, so three that lie on one line may seem to span an area. They have no normal.
+    let has_area =
+        const { matches!(E::ACCURACY.triangle, TriangleTest::Fast) } || normal::<R>(corners) != WideVec3::<R>::ZERO;
+    has_area.then_some((t, u, v))
+}
+
+/// `[t, u, v]` of a ray from whose origin the corners are given, by edges and sums in the precision of `edge` and
+/// `wider`.
+#[inline(always)]
+fn woop<C: Real, W: Real>(
+    to_corners: [Vec3<C>; 3],
+    shear: &Shear<C>,
+    edge: impl Fn(C, C, C, C) -> W,
+    wider: impl Fn(C) -> W,
+) -> Option<[W; 3]> {
     // Each sheared corner depends on that corner and the ray alone.
-    let [a, b, c] = corners.map(|corner| {
-        let [x, y, z] = permute::<R>(corner - origin, shear.longest);
+    let [a, b, c] = to_corners.map(|corner| {
+        let [x, y, z] = permute::<C>(corner, shear.longest);
         [x - shear.x * z, y - shear.y * z, z]
     });
-    let u = R::difference_of_products(c[0], b[1], c[1], b[0]);
-    let v = R::difference_of_products(a[0], c[1], a[1], c[0]);
-    let w = R::difference_of_products(b[0], a[1], b[1], a[0]);
-    let zero = R::Wide::ZERO;
+    let u = edge(c[0], b[1], c[1], b[0]);
+    let v = edge(a[0], c[1], a[1], c[0]);
+    let w = edge(b[0], a[1], b[1], a[0]);
+    let zero = W::ZERO;
     // Written so that a NaN fails both.
     if !((u >= zero && v >= zero && w >= zero) || (u <= zero && v <= zero && w <= zero)) {
         return None;
@@ -94,15 +137,22 @@ pub fn intersect<R: Real>(corners: &[Vec3<R>; 3], ray: &PreparedRay<R>, tmax: R)
     if determinant == zero {
         return None;
     }
-    let inverse = R::Wide::ONE / determinant;
-    let depth = u * a[2].widen() + v * b[2].widen() + w * c[2].widen();
-    let t = R::narrow(depth * inverse * shear.z.widen());
-    // The shear rounds each corner, so three that lie on one line may seem to span an area. They have no normal.
-    if t > ray.tmin && t <= tmax && normal::<R>(corners) != WideVec3::<R>::ZERO {
-        Some((t, R::narrow(v * inverse), R::narrow(w * inverse)))
-    } else {
-        None
-    }
+    let inverse = W::ONE / determinant;
+    let depth = u * wider(a[2]) + v * wider(b[2]) + w * wider(c[2]);
+    Some([depth * inverse * wider(shear.z), v * inverse, w * inverse])
+}
+
+/// `[t, u, v]`; written so that a NaN misses.
+#[inline(always)]
+fn moller_trumbore<R: Real>(corners: &[Vec3<R>; 3], origin: Vec3<R>, d: Vec3<R>) -> Option<[R; 3]> {
+    let [ab, ac] = [corners[1] - corners[0], corners[2] - corners[0]];
+    let p = d.cross(ac);
+    let inverse = R::ONE / ab.dot(p);
+    let from_a = origin - corners[0];
+    let u = from_a.dot(p) * inverse;
+    let q = from_a.cross(ab);
+    let v = d.dot(q) * inverse;
+    (u >= R::ZERO && v >= R::ZERO && u + v <= R::ONE).then(|| [ac.dot(q) * inverse, u, v])
 }
 
 /// A normal to the front, as long as twice the area; zero where there is none. In the wide precision, which needles
@@ -116,6 +166,7 @@ pub(crate) fn normal<R: Real>(corners: &[Vec3<R>; 3]) -> WideVec3<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ray::Ray;
     use glam::Vec3 as V;
 
     const CORNERS: [V; 3] = [V::new(0.0, 0.0, -4.0), V::new(2.0, 0.0, -4.0), V::new(0.0, 2.0, -4.0)];
