@@ -23,6 +23,23 @@ struct Row<Bits: 'static> {
 
 const SINGLE: &[Row<u32>] = &[
     Row {
+        what: "the seam of two walls that reach behind the ray: the one it is said to hit it misses by a rounding, and its box",
+        hit: true,
+        ray: [[0x40EDA7FC, 0x424490D0, 0xC2D976B2], [0xBEC86F08, 0xBF25911C, 0x3F27924D]],
+        triangles: &[
+            [
+                [0x40D8A86D, 0x42403AB4, 0xC30076A5],
+                [0x40D8A86D, 0x42403AB4, 0xC2B0ED49],
+                [0xC0EBE3F3, 0x4278CC40, 0xC30076A5],
+            ],
+            [
+                [0x40D8A86D, 0x42403AB4, 0xC30076A5],
+                [0x41A74D33, 0x4278CC40, 0xC30076A5],
+                [0x40D8A86D, 0x42403AB4, 0xC2B0ED49],
+            ],
+        ],
+    },
+    Row {
         what: "a triangle without area (BadCases of pbrt-v4, shapes_test.cpp)",
         hit: false,
         ray: [[0xC4872F56, 0x42C7FFFA, 0x42AF8A4C], [0xC2006DE0, 0xC3375B1A, 0xC3109B8E]],

@@ -231,23 +231,29 @@ fn reflected_share(reflects: impl Fn(u32) -> bool) -> f64 {
 fn moved_furnaces_stay_the_same<R: Real>() {
     const BOUNCES: u32 = 7;
     let limit = tolerance::PER_BOUNCE * f64::from(BOUNCES + 1);
-    let errors = Trials::measured::<R>("N46", "closed balls moved by 2^k S: radiance", limit, "u");
     let expected = 1.0 - libm::ldexp(1.0, -(BOUNCES as i32 + 1));
-    for k in 0..=16 {
-        let shift = [2.0, -1.0, 1.5].map(|x| libm::ldexp(x, k));
-        let at = |p: [f64; 3]| std::array::from_fn(|i| p[i] + shift[i]);
-        let mut ball = OwnedScene::<R>::default();
-        let wall = ball.diffuse(0.5, 0.5);
-        ball.sphere(shift, 1.0, wall);
-        let settings = CameraSettings { position: at([0.25, -0.125, 0.5]), look_at: at([0.5, 0.25, -0.5]), ..CAMERA };
-        let options = PathOptions { max_bounces: BOUNCES, ..PathOptions::default() };
-        with_view(&ball, &settings, &options, |view| {
-            each_path::<R, Everything>(view, 4, &mut |radiance| {
-                errors.error((radiance[0] / expected - 1.0).abs() / u::<R>(), || format!("2^{k}: {radiance:?}"));
+    for class in ["closed balls", "closed rooms"] {
+        let errors = Trials::measured::<R>("N46", &format!("{class} moved by 2^k S: radiance"), limit, "u");
+        for k in 0..=16 {
+            let shift = [2.0, -1.0, 1.5].map(|x| libm::ldexp(x, k));
+            let at = |p: [f64; 3]| std::array::from_fn(|i| p[i] + shift[i]);
+            let mut scene = OwnedScene::<R>::default();
+            let wall = scene.diffuse(0.5, 0.5);
+            match class {
+                "closed balls" => _ = scene.sphere(shift, 1.0, wall),
+                _ => scene.mesh(&cube(2).inside_out().map(at), wall),
+            }
+            let [position, look_at] = [[0.25, -0.125, 0.5], [0.5, 0.25, -0.5]].map(at);
+            let settings = CameraSettings { position, look_at, ..CAMERA };
+            let options = PathOptions { max_bounces: BOUNCES, ..PathOptions::default() };
+            with_view(&scene, &settings, &options, |view| {
+                each_path::<R, Everything>(view, 4, &mut |radiance| {
+                    errors.error((radiance[0] / expected - 1.0).abs() / u::<R>(), || format!("2^{k}: {radiance:?}"));
+                });
             });
-        });
+        }
+        errors.end(17_000);
     }
-    errors.end(17_000);
 }
 
 const ALBEDO: f64 = 0.7;

@@ -8,13 +8,29 @@ use crate::support::in_both_precisions;
 use crate::support::random::Random;
 use crate::support::scene::{CAMERA, OwnedScene, STRUCTURES};
 use crate::support::trials::{Trials, trials};
+use crate::support::wedge::{WEDGES, direct_light, wedge};
 
-in_both_precisions!(the_seam_of_two_walls_is_lit);
+in_both_precisions!(the_seam_of_two_walls_is_lit, the_seam_of_two_flat_walls_is_lit);
+
+/// Whichever of two flat walls a ray is said to hit at their seam, its point is within rounding of the other.
+fn the_seam_of_two_flat_walls_is_lit<R: Real>() {
+    for degrees in WEDGES {
+        let lit = Trials::of::<R>("N24", &format!("the seam of two flat walls that meet at {degrees} degrees"));
+        let mut random = Random::new(42);
+        for _ in 0..trials(20_000) / 10 {
+            let (scene, ray) = wedge::<R>(&mut random, degrees);
+            let structure = STRUCTURES[random.below(3)];
+            let light = direct_light::<R, Everything>(&scene, structure, ray);
+            lit.holds(light != 0.0, || format!("{ray:?} {:?} {:?}", scene.positions, scene.lights));
+        }
+        lit.end(2000);
+    }
+}
 
 /// Two huge spheres that cross at an angle, seen from between them exactly at the seam, with a lamp between them, too.
 /// Whichever of the two a ray is said to hit, its point is within rounding of the other, on either side of it.
 fn the_seam_of_two_walls_is_lit<R: Real>() {
-    for degrees in [90.0f64, 30.0, 1.0] {
+    for degrees in WEDGES {
         let lit = Trials::of::<R>("N24", &format!("the seam of two walls that meet at {degrees} degrees"));
         let mut random = Random::new(41);
         let half = 0.5 * degrees.to_radians();

@@ -11,6 +11,9 @@ mod camera;
 /// Hits against exact arithmetic; closed meshes that must not leak.
 mod intersections;
 
+/// All that a ray crosses, each surface once.
+mod crossings;
+
 /// Structures change the time, never a bit; builds end on any input.
 mod bvh;
 

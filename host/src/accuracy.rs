@@ -19,7 +19,7 @@ pub struct AccuracyArgs {
     #[arg(long, value_name = "TEST", default_value = "wide", value_parser = named(SphereTest::ALL))]
     pub sphere_test: SphereTest,
     /// How far off a surface rays start that leave it.
-    #[arg(long, value_name = "OFFSET", default_value = "bounded", value_parser = named(RayOffset::ALL))]
+    #[arg(long, value_name = "OFFSET", default_value = "cleared", value_parser = named(RayOffset::ALL))]
     pub ray_offset: RayOffset,
 }
 

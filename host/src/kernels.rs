@@ -181,6 +181,7 @@ alternatives! {
     WideTriangles "Watertight triangles all in wider numbers." = triangle TriangleTest::Wide;
     UnpaddedBoxes "Boxes exactly as computed." = slab SlabTest::Unpadded;
     NarrowSpheres "Spheres without wider numbers." = sphere SphereTest::Narrow;
+    BoundedOffset "Rays that start off their own surfaces, and maybe beyond others." = offset RayOffset::Bounded;
     ConstantOffset "Rays that start a constant off their surfaces." = offset RayOffset::Constant;
 }
 

@@ -86,10 +86,13 @@ choices! {
     RayOffset {
         /// [`CONSTANT_OFFSET`](crate::robust::CONSTANT_OFFSET) off the surface, whatever the scene's scale.
         Constant "constant",
-        /// Beyond a derived bound on the error of the point (PBR 4ed, section 6.8.6).
+        /// Beyond a derived bound on the error of the point (PBR 4ed, section 6.8.6). Where two surfaces meet, a ray that
+        /// leaves one may start behind the other.
         Bounded "bounded",
+        /// The same, and on the right side of all triangles that are that near.
+        Cleared "cleared",
     }
-    robust Bounded
+    robust Cleared
 }
 
 /// One value of each choice.
@@ -111,7 +114,7 @@ impl Accuracy {
         triangle: TriangleTest::Watertight,
         slab: SlabTest::Padded,
         sphere: SphereTest::Wide,
-        offset: RayOffset::Bounded,
+        offset: RayOffset::Cleared,
     };
 
     /// Whether boxes are padded.

@@ -26,6 +26,8 @@
 pub mod accuracy;
 pub mod bvh;
 pub mod camera;
+mod clearance;
+mod departure;
 pub mod effects;
 mod elementary;
 pub mod error;

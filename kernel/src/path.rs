@@ -1,9 +1,10 @@
 //! The whole path loop.
 
+use crate::departure::{Arrival, Departure};
 use crate::effects::{EffectSet, Effects};
 use crate::light::{self, LightSampling};
 use crate::material::{Diffuse, Fresnel, Scattering, dielectric, diffuse, mirror};
-use crate::ray::{Departure, NO_PRIMITIVE, Ray};
+use crate::ray::Ray;
 use crate::real::{Real, Vec3, Vector};
 use crate::sampler::{Block, Sampler};
 use crate::scene::Scene;
@@ -94,19 +95,16 @@ pub fn radiance<R: Real, E: EffectSet>(
         sampler.begin_vertex(bounce + 1);
         let numbers = sampler.numbers(Block::Scatter);
         let facing = point.toward_viewer::<E>();
-        let leave = |ng: Vec3<R>, front: bool| {
-            Departure::from::<E>(&point, hit.t, ng, outside_of::<R, E>(scene, hit.primitive, front))
-        };
+        let arrival = Arrival { scene, ray: &ray, hit: &hit, point: &point };
         let sample = match &material.scattering {
             Scattering::Mirror(glossy) if const { E::EFFECTS.contains(Effects::MIRROR) } => {
                 let sample = mirror::sample(point.wo, &facing, glossy);
-                departure = leave(facing.ng, facing.front);
+                departure = arrival.reflected::<E>(&facing);
                 sample
             }
             Scattering::Dielectric(glass) if const { E::EFFECTS.contains(Effects::GLASS) } => {
                 let sample = dielectric::sample(&point, &facing, glass, options.fresnel, numbers[2]);
-                let front = sample.wi.dot(point.ng) > R::ZERO;
-                departure = leave(if front { point.ng } else { -point.ng }, front);
+                departure = arrival.scattered::<E>(&facing, sample.wi);
                 sample
             }
             Scattering::Diffuse(surface) => {
@@ -114,7 +112,7 @@ pub fn radiance<R: Real, E: EffectSet>(
                 if albedo == Vec3::<R>::ZERO {
                     break;
                 }
-                departure = leave(facing.ng, facing.front);
+                departure = arrival.reflected::<E>(&facing);
                 if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
                     let light = sampler.numbers(Block::Light);
                     let arriving = light::direct::<R, E>(scene, options, &point, &facing, &departure, light, &mut rays);
@@ -146,15 +144,6 @@ pub fn radiance<R: Real, E: EffectSet>(
         ray = Ray::new(departure.origin, sample.wi);
     }
     PathSample { radiance, rays }
-}
-
-/// The primitive, if a ray that leaves it to its front or its back departs from the outside of a sphere.
-#[inline]
-fn outside_of<R: Real, E: EffectSet>(scene: &Scene<'_, R>, primitive: u32, front: bool) -> u32 {
-    match scene.geometry().spheres().get(primitive as usize) {
-        Some(sphere) if const { E::EFFECTS.contains(Effects::SPHERES) } && sphere.inverted != front => primitive,
-        _ => NO_PRIMITIVE,
-    }
 }
 
 /// Whether the segment after the last scattering event can add anything: it can only end at light.

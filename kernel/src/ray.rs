@@ -1,10 +1,6 @@
 //! Rays and hits: what goes into the acceleration structure and what comes out.
 
-use crate::accuracy::RayOffset;
-use crate::effects::EffectSet;
 use crate::real::{Real, Vec3, Vector};
-use crate::robust::{CONSTANT_OFFSET, offset_along_normal, origin_error};
-use crate::surface::SurfacePoint;
 
 /// A half-open part of a line, `origin + t direction` for `tmin < t <= tmax`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,39 +37,6 @@ impl<R: Real> Ray<R> {
     #[inline]
     pub(crate) fn has_range(&self) -> bool {
         self.tmin >= R::ZERO && self.tmax >= self.tmin
-    }
-}
-
-/// Where the rays that leave a surface point start.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Departure<R: Real> {
-    /// Off the surface, scene units.
-    pub(crate) origin: Vec3<R>,
-    /// How far that is from the exact point of the surface, at most.
-    pub(crate) error: R,
-    /// The sphere on whose outside it is, which the rays cannot meet; [`NO_PRIMITIVE`] if there is none.
-    pub(crate) sphere: u32,
-}
-
-impl<R: Real> Departure<R> {
-    /// Of the rays that leave `point`, which a ray hit at `t`, to the side of its unit normal `ng`. `sphere` is the
-    /// one that they then are outside of, if any.
-    #[inline(always)]
-    pub(crate) fn from<E: EffectSet>(point: &SurfacePoint<R>, t: R, ng: Vec3<R>, sphere: u32) -> Self {
-        if const { matches!(E::ACCURACY.offset, RayOffset::Constant) } {
-            return Self::exactly(point.p + ng * R::from_f64(CONSTANT_OFFSET));
-        }
-        Self {
-            origin: offset_along_normal::<R>(point.p, point.p_error, ng),
-            error: origin_error::<R>(point.p, point.p_error, t),
-            sphere,
-        }
-    }
-
-    /// Exactly from `origin`, and from no surface.
-    #[inline]
-    pub(crate) fn exactly(origin: Vec3<R>) -> Self {
-        Self { origin, error: R::ZERO, sphere: NO_PRIMITIVE }
     }
 }
 

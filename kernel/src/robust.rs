@@ -11,16 +11,32 @@ pub fn gamma<R: Real>(n: u32) -> R {
     nu / (R::ONE - nu)
 }
 
-/// Factor that makes the far side of a slab conservative: `1 + 2 gamma(3)` (Ize 2013).
+/// Factor that makes the far side of a slab conservative: `1 + 2 gamma(5)`.
+///
+/// The test itself rounds three times on either side of its comparison, which takes `2 gamma(3)` (Ize 2013). The rest,
+/// with [`triangle_padding`], is for triangles: their test moves the ray by as much.
 #[inline]
 pub fn slab_far_padding<R: Real>() -> R {
-    R::ONE + gamma::<R>(3) + gamma::<R>(3)
+    R::ONE + gamma::<R>(5) + gamma::<R>(5)
 }
 
-/// Factor that makes the near side of a slab conservative: `1 - 2 gamma(3)`.
+/// Factor that makes the near side of a slab conservative: `1 - 2 gamma(5)`.
 #[inline]
 pub fn slab_near_padding<R: Real>() -> R {
-    R::ONE - gamma::<R>(3) - gamma::<R>(3)
+    R::ONE - gamma::<R>(5) - gamma::<R>(5)
+}
+
+/// By how much the box of a triangle is larger than the triangle, whose longest side along an axis is `extent`: no ray
+/// that hits the triangle may miss the box.
+///
+/// The watertight test decides by sheared corners, `x' = X - S Z` with `X` and `Z` from the origin of the ray and
+/// `|S| <= 1`. Each is off by at most `2 u |X| + 4 u |S Z|`. Where the ray crosses the triangle these errors come in
+/// with the weights of the corners: as corners may lie on both sides of the origin, the weighted `|X|` is at most that
+/// of the crossing and twice the extent. So a ray that misses the triangle by `6 u |X| + 12 u extent` may be said to hit
+/// it, and by `2 u extent` more where products of sheared corners are rounded.
+#[inline]
+pub fn triangle_padding<R: Real>(extent: R) -> R {
+    extent * gamma::<R>(16)
 }
 
 /// Largest parameter of a shadow ray that runs from t = 0 to its light at t = 1.
@@ -76,12 +92,12 @@ pub(crate) fn origin_error<R: Real>(p: Vec3<R>, p_error: Vec3<R>, t: R) -> R {
 /// Half the sides of the box around `p` that an offset has to leave: the errors of `p`, and the rounding of the offset
 /// itself.
 #[inline]
-fn error_box<R: Real>(p: Vec3<R>, p_error: Vec3<R>) -> Vec3<R> {
+pub(crate) fn error_box<R: Real>(p: Vec3<R>, p_error: Vec3<R>) -> Vec3<R> {
     p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2)
 }
 
 #[inline]
-fn offset_distance<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> R {
+pub(crate) fn offset_distance<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> R {
     ng.abs().dot(error_box::<R>(p, p_error))
 }
 

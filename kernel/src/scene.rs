@@ -1,11 +1,12 @@
 //! A scene: borrowed slices, checked once.
 
 use crate::bvh::{self, Bvh};
+use crate::departure::Departure;
 use crate::effects::{EffectSet, Effects, Everything};
 use crate::error::SceneError;
 use crate::light::Light;
 use crate::material::{Material, Scattering};
-use crate::ray::{Departure, Hit, Ray};
+use crate::ray::{Hit, Ray};
 use crate::real::{Real, Vec3, Vector};
 use crate::shape::{Geometry, TriangleAttributes};
 use crate::surface::{SurfacePoint, surface_point};
@@ -127,6 +128,12 @@ impl<'a, R: Real> Scene<'a, R> {
     #[inline]
     pub fn occluded(&self, ray: &Ray<R>) -> bool {
         self.occluded_in::<Everything>(ray)
+    }
+
+    /// Shows `see` every crossing of the ray with a primitive, each surface once ([`bvh::crossings`]).
+    #[inline]
+    pub fn crossings(&self, ray: &Ray<R>, see: impl FnMut(Hit<R>)) {
+        bvh::crossings::<R, Everything>(&self.parts.geometry, self.bvh(), ray, see);
     }
 
     /// The surface point of a hit of `ray`, whose direction must have length 1; `None` where the scene has no such

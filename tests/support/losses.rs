@@ -20,6 +20,7 @@ use super::rays::{
 };
 use super::scene::{OwnedScene, corners, v};
 use super::tolerance::{self, u};
+use super::wedge::{WEDGES, direct_light, wedge};
 
 /// What came of the trials of one class.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,10 +85,14 @@ pub(crate) fn rows<R: Real>() -> Vec<Row> {
         row("--slab-test unpadded", "triangles in their boxes", None, false, box_losses::<R, UnpaddedBoxes>),
         row("--sphere-test wide", "t of spheres", conditioned, true, sphere_errors::<R, Everything>),
         row("--sphere-test narrow", "t of spheres", conditioned, !wider, sphere_errors::<R, NarrowSpheres>),
+        row("--ray-offset cleared", "rays that leave a plane", None, true, self_hits::<R, Cleared>),
         row("--ray-offset bounded", "rays that leave a plane", None, true, self_hits::<R, Bounded>),
         row("--ray-offset constant", "rays that leave a plane", None, !wider, self_hits::<R, Constant>),
-        row("--ray-offset bounded", "rays in a flat box", None, true, box_escapes::<R, Bounded>),
+        row("--ray-offset cleared", "rays in a flat box", None, true, box_escapes::<R, Cleared>),
         row("--ray-offset constant", "rays in a flat box", None, false, box_escapes::<R, Constant>),
+        row("--ray-offset cleared", "light at seams", None, true, dark_seams::<R, Cleared>),
+        row("--ray-offset bounded", "light at seams", None, false, dark_seams::<R, Bounded>),
+        row("--ray-offset constant", "light at seams", None, false, dark_seams::<R, Constant>),
         row("--fresnel exact", "reflected share", fresnel, true, fresnel_errors::<R, { Fresnel::Exact as u8 }>),
         row("--fresnel schlick", "reflected share", fresnel, false, fresnel_errors::<R, { Fresnel::Schlick as u8 }>),
         row("--fresnel none", "reflected share", fresnel, false, fresnel_errors::<R, { Fresnel::None as u8 }>),
@@ -187,12 +192,14 @@ macro_rules! with_offset {
         struct $name;
 
         impl EffectSet for $name {
-            const EFFECTS: Effects = Effects::TRIANGLES.union(Effects::BACKGROUND).union(Effects::INDIRECT);
+            const EFFECTS: Effects =
+                Effects::TRIANGLES.union(Effects::BACKGROUND).union(Effects::POINT_LIGHT).union(Effects::INDIRECT);
             const ACCURACY: Accuracy = Accuracy { offset: RayOffset::$offset, ..Accuracy::ROBUST };
         }
     };
 }
 
+with_offset!(Cleared Cleared);
 with_offset!(Bounded Bounded);
 with_offset!(Constant Constant);
 
@@ -247,6 +254,17 @@ fn box_escapes<R: Real, E: EffectSet>(count: u32) -> Loss {
         let origin: [f64; 3] = std::array::from_fn(|i| center[i] + 0.5 * half[i] * at[i]);
         let direction = ocellus_kernel::robust::normalize::<R>(v::<R>(random.on_sphere()));
         loss.holds(one_bounce::<R, E>(&mut scene, Ray::new(v::<R>(origin), direction), sample) == 0.0);
+    }
+    loss
+}
+
+/// N24. Seams of two walls that a lamp between them does not light.
+fn dark_seams<R: Real, E: EffectSet>(count: u32) -> Loss {
+    let mut random = Random::new(42);
+    let mut loss = Loss::default();
+    for case in 0..count as usize {
+        let (scene, ray) = wedge::<R>(&mut random, WEDGES[case % WEDGES.len()]);
+        loss.holds(direct_light::<R, E>(&scene, None, ray) != 0.0);
     }
     loss
 }

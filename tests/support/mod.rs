@@ -12,6 +12,7 @@ pub(crate) mod scene;
 pub(crate) mod statistics;
 pub(crate) mod tolerance;
 pub(crate) mod trials;
+pub(crate) mod wedge;
 
 /// Runs each named function, generic over the precision, once as f32 (`single`) and once as f64 (`double`).
 macro_rules! in_both_precisions {

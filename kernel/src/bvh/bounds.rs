@@ -37,6 +37,14 @@ impl<R: Real> Bounds<R> {
         }
     }
 
+    /// Whether the boxes have a point in common; touching counts.
+    #[inline]
+    pub(crate) fn meets(&self, other: &Self) -> bool {
+        let [[al, ah], [bl, bh]] = [self.corners, other.corners];
+        // Without branches: most boxes miss, each on an axis of its own.
+        (0..3).fold(true, |meets, axis| meets & (al[axis] <= bh[axis]) & (bl[axis] <= ah[axis]))
+    }
+
     /// Half the surface area, scene units squared; 0 for an empty box.
     #[inline]
     pub fn half_area(&self) -> R {
@@ -46,7 +54,7 @@ impl<R: Real> Bounds<R> {
 
     /// Where the ray enters the box, clamped to tmin; `None` where it misses or enters beyond `tmax`.
     ///
-    /// Never misses a box that the exact ray meets: the far side is padded by `1 + 2 gamma(3)` (Ize 2013), and a NaN
+    /// Never misses a box that the exact ray meets: the far side is padded by [`slab_far_padding`], and a NaN
     /// (an origin on the plane of a slab that the ray runs along) leaves the interval as it is. Monotone: a box that
     /// holds another is entered no later, since each product rounds monotonely.
     #[inline]

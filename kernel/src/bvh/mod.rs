@@ -2,11 +2,16 @@
 
 mod bounds;
 mod build;
+mod crossings;
+mod near;
 mod node;
 mod traverse;
+mod walk;
 
 pub use bounds::{Bounds, Slabs};
 pub use build::{BuildItem, Structure, build};
+pub use crossings::crossings;
+pub(crate) use near::any_triangle_near;
 pub use node::{Leaf, Node};
 pub(crate) use traverse::search;
 pub use traverse::{intersect, occluded};

@@ -4,8 +4,9 @@
 //! either way; see `Geometry::test_all`.
 
 use super::{Bvh, Leaf, MAX_DEPTH};
+use crate::departure::Departure;
 use crate::effects::EffectSet;
-use crate::ray::{Departure, Hit, NO_PRIMITIVE, Ray};
+use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::Real;
 use crate::shape::{Geometry, PreparedRay};
 

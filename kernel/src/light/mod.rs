@@ -8,10 +8,11 @@ pub mod sphere;
 pub use point::PointLight;
 pub use sphere::{LightSampling, SphereLight};
 
+use crate::departure::Departure;
 use crate::effects::{EffectSet, Effects};
 use crate::material::diffuse;
 use crate::path::PathOptions;
-use crate::ray::{Departure, Ray};
+use crate::ray::Ray;
 use crate::real::{Real, Vec3, Vector};
 use crate::robust::shadow_tmax;
 use crate::scene::Scene;

@@ -6,9 +6,10 @@ pub mod triangle;
 
 use crate::accuracy::{SphereTest, TriangleTest};
 use crate::bvh::{Bounds, Slabs};
+use crate::departure::Departure;
 use crate::effects::{EffectSet, Effects, Everything};
 use crate::error::GeometryError;
-use crate::ray::{Departure, Hit, NO_PRIMITIVE, Ray};
+use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, widen};
 
 pub use sphere::Sphere;
@@ -255,6 +256,26 @@ impl<'a, R: Real> Geometry<'a, R> {
                     return;
                 }
             }
+        }
+    }
+
+    /// Shows `see` where the ray crosses primitive `index`, which must be one.
+    #[inline]
+    pub(crate) fn cross<E: EffectSet>(&self, ray: &PreparedRay<R>, tmax: R, index: u32, see: &mut impl FnMut(Hit<R>)) {
+        let at = index as usize;
+        match self.spheres.get(at) {
+            Some(sphere) if const { E::EFFECTS.contains(Effects::SPHERES) } => {
+                let in_range = |t: &R| *t > ray.tmin && *t <= tmax;
+                let roots = sphere.crossings::<E>(ray).into_iter().flatten();
+                roots.filter(in_range).for_each(|t| see(Hit { t, u: R::ZERO, v: R::ZERO, primitive: index }));
+            }
+            None if const { E::EFFECTS.contains(Effects::TRIANGLES) } => {
+                let corners = self.corners(at - self.spheres.len());
+                if let Some((t, u, v)) = triangle::cross::<R, E>(&corners, ray, tmax) {
+                    see(Hit { t, u, v, primitive: index });
+                }
+            }
+            _ => {}
         }
     }
 

@@ -48,7 +48,7 @@ impl<R: Real> Sphere<R> {
     ///
     /// Let f32 hits lie within `2^19 r` of the origin. In f64 both roots then put the ray within `2^-28 r` of the
     /// sphere, and the box is wider than the sphere by at least `u r`: the exact ray is in the box at both. The slab
-    /// test finds the entry at most `(1 + u)^4 (1 - 6 u)` times as far as it is, and `t` is rounded by at most `u`. No
+    /// test finds the entry at most `(1 + u)^4 (1 - 10 u)` times as far as it is, and `t` is rounded by at most `u`. No
     /// axis overflows: the reciprocal of one that the ray has yet to enter is less than `2^85`. So it takes the wide
     /// test, in a precision that adds bits, and padded boxes.
     #[inline(always)]
@@ -70,18 +70,24 @@ impl<R: Real> Sphere<R> {
     /// [`Sphere::intersect`] as accurately as a kernel asks.
     #[inline(always)]
     pub(super) fn intersect_in<E: EffectSet>(&self, ray: &PreparedRay<R>, tmax: R) -> Option<R> {
-        let (near, far) = if const { matches!(E::ACCURACY.sphere, SphereTest::Narrow) } {
+        let [near, far] = self.crossings::<E>(ray)?;
+        let t = if near > ray.tmin { near } else { far };
+        if t > ray.tmin && t <= tmax { Some(t) } else { None }
+    }
+
+    /// Where the line enters and leaves the sphere; `None` where it does not, or where that is behind the origin.
+    #[inline(always)]
+    pub(super) fn crossings<E: EffectSet>(&self, ray: &PreparedRay<R>) -> Option<[R; 2]> {
+        if const { matches!(E::ACCURACY.sphere, SphereTest::Narrow) } {
             let [origin, direction] = [ray.origin, ray.direction].map(Vec3::<R>::from_array);
             let inverse_square = R::narrow(ray.wide_inverse_square);
-            roots(self.center - origin, self.radius, direction, inverse_square, R::narrow(ray.error), true)?
+            roots(self.center - origin, self.radius, direction, inverse_square, R::narrow(ray.error), true)
         } else {
             let to_center = widen::<R>(self.center) - ray.wide_origin;
             let (d, inverse_square) = (ray.wide_direction, ray.wide_inverse_square);
             let wide = roots(to_center, self.radius.widen(), d, inverse_square, ray.error, R::WIDE_IS_SELF)?;
-            (R::narrow(wide.0), R::narrow(wide.1))
-        };
-        let t = if near > ray.tmin { near } else { far };
-        if t > ray.tmin && t <= tmax { Some(t) } else { None }
+            Some(wide.map(R::narrow))
+        }
     }
 
     /// The point of the sphere in the direction of `from_center` (wide, any length).
@@ -118,7 +124,7 @@ fn roots<C: Real>(
     inverse_square: C,
     error: C,
     stable: bool,
-) -> Option<(C, C)> {
+) -> Option<[C; 2]> {
     let radius_square = radius * radius;
     let along = to_center.dot(d);
     // Behind an origin outside of the sphere, or not inside by more than its error: where two walls meet, a ray that
@@ -140,7 +146,7 @@ fn roots<C: Real>(
     }
     if !stable {
         let half = ((radius_square - foot_square) * inverse_square).sqrt();
-        return Some((t_foot - half, t_foot + half));
+        return Some([t_foot - half, t_foot + half]);
     }
     let foot_length = foot_square.sqrt();
     let half = ((radius - foot_length) * (radius + foot_length) * inverse_square).sqrt();
@@ -148,7 +154,7 @@ fn roots<C: Real>(
     let distance = to_center.dot(to_center).sqrt();
     let product = (distance - radius) * (distance + radius) * inverse_square;
     let other = if larger == C::ZERO { C::ZERO } else { product / larger };
-    Some(if larger < other { (larger, other) } else { (other, larger) })
+    Some(if larger < other { [larger, other] } else { [other, larger] })
 }
 
 #[cfg(test)]

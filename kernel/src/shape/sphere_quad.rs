@@ -59,6 +59,13 @@ impl<R: Real> SphereQuad<R> {
         &self.primitives
     }
 
+    /// Primitive numbers of its spheres, each once.
+    #[inline]
+    pub(crate) fn distinct(&self) -> impl Iterator<Item = u32> {
+        let [first, ..] = self.primitives;
+        self.primitives.into_iter().enumerate().filter(move |(at, index)| *at == 0 || *index != first).map(|it| it.1)
+    }
+
     /// Bit k is set unless the ray certainly misses sphere k in `0 < t <= tmax`: the sphere is beside the line, or
     /// behind an origin that is outside of it, or beyond `tmax`, where the ray has yet to reach it. `None` for a
     /// `tmax` that is not worth a look.

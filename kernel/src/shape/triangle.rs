@@ -8,7 +8,8 @@ use super::PreparedRay;
 use crate::accuracy::TriangleTest;
 use crate::bvh::Bounds;
 use crate::effects::{EffectSet, Everything};
-use crate::real::{Real, Vec3, Vector, WideVec3, widen};
+use crate::real::{Real, Vec3, Vector, WideVec3, greater, widen};
+use crate::robust::triangle_padding;
 
 /// What a triangle has beside its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,12 +62,26 @@ impl<R: Real> Shear<R> {
     }
 }
 
-/// The box of a triangle.
+/// The smallest box around three corners.
 #[inline]
-pub fn bounds<R: Real>(corners: &[Vec3<R>; 3]) -> Bounds<R> {
+pub(crate) fn exact_bounds<R: Real>(corners: &[Vec3<R>; 3]) -> Bounds<R> {
     let mut bounds = Bounds::EMPTY;
     for corner in corners {
         bounds.grow(*corner);
+    }
+    bounds
+}
+
+/// The box of a triangle, larger by [`triangle_padding`].
+#[inline]
+pub fn bounds<R: Real>(corners: &[Vec3<R>; 3]) -> Bounds<R> {
+    let mut bounds = exact_bounds(corners);
+    let [low, high] = bounds.corners;
+    let extent = (0..3).fold(R::ZERO, |extent, axis| greater(extent, high[axis] - low[axis]));
+    let padding = triangle_padding::<R>(extent);
+    // Not where a corner is infinite, or so far off that the extent is.
+    if padding.is_finite() {
+        bounds.corners = [low.map(|low| low - padding), high.map(|high| high + padding)];
     }
     bounds
 }
@@ -86,20 +101,37 @@ pub(super) fn intersect_in<R: Real, E: EffectSet>(
     ray: &PreparedRay<R>,
     tmax: R,
 ) -> Option<(R, R, R)> {
+    test::<R, E, false>(corners, ray, tmax)
+}
+
+/// [`intersect`] where each point of an edge or a corner belongs to one of the triangles that share it. For kernels of
+/// watertight triangles.
+#[inline(always)]
+pub(super) fn cross<R: Real, E: EffectSet>(corners: &[Vec3<R>; 3], ray: &PreparedRay<R>, tmax: R) -> Option<(R, R, R)> {
+    test::<R, E, true>(corners, ray, tmax)
+}
+
+#[inline(always)]
+fn test<R: Real, E: EffectSet, const ONCE: bool>(
+    corners: &[Vec3<R>; 3],
+    ray: &PreparedRay<R>,
+    tmax: R,
+) -> Option<(R, R, R)> {
     let origin = Vec3::<R>::from_array(ray.origin);
     let [t, u, v] = match const { E::ACCURACY.triangle } {
         TriangleTest::Fast => moller_trumbore(corners, origin, Vec3::<R>::from_array(ray.direction))?,
         TriangleTest::Narrow => {
             let edge = |a, b, c, d| a * b - c * d;
-            woop(corners.map(|corner| corner - origin), &ray.shear, edge, |x| x)?
+            woop::<ONCE, R, R>(corners.map(|corner| corner - origin), &ray.shear, edge, |x| x)?
         }
         TriangleTest::Watertight => {
             let to_corners = corners.map(|corner| corner - origin);
-            woop(to_corners, &ray.shear, R::difference_of_products, R::widen)?.map(R::narrow)
+            woop::<ONCE, R, R::Wide>(to_corners, &ray.shear, R::difference_of_products, R::widen)?.map(R::narrow)
         }
         TriangleTest::Wide => {
             let to_corners = corners.map(|corner| widen::<R>(corner) - ray.wide_origin);
-            woop(to_corners, &ray.wide_shear, R::Wide::difference_of_products, |x| x)?.map(R::narrow)
+            woop::<ONCE, R::Wide, R::Wide>(to_corners, &ray.wide_shear, R::Wide::difference_of_products, |x| x)?
+                .map(R::narrow)
         }
     };
     if !(t > ray.tmin && t <= tmax) {
@@ -114,7 +146,7 @@ pub(super) fn intersect_in<R: Real, E: EffectSet>(
 /// `[t, u, v]` of a ray from whose origin the corners are given, by edges and sums in the precision of `edge` and
 /// `wider`.
 #[inline(always)]
-fn woop<C: Real, W: Real>(
+fn woop<const ONCE: bool, C: Real, W: Real>(
     to_corners: [Vec3<C>; 3],
     shear: &Shear<C>,
     edge: impl Fn(C, C, C, C) -> W,
@@ -137,9 +169,22 @@ fn woop<C: Real, W: Real>(
     if determinant == zero {
         return None;
     }
+    let loop_of_edges = [(u, c, b), (v, a, c), (w, b, a)];
+    if ONCE && !loop_of_edges.into_iter().all(|(value, from, to)| value != zero || owns(from, to, determinant > zero)) {
+        return None;
+    }
     let inverse = W::ONE / determinant;
     let depth = u * wider(a[2]) + v * wider(b[2]) + w * wider(c[2]);
     Some([depth * inverse * wider(shear.z), v * inverse, w * inverse])
+}
+
+/// Whether a triangle owns the points of its edge: of two that share it, and go along it in opposite directions or have
+/// opposite signs, one does. As if the ray were moved aside by `(-e, -e^2)` for an infinitely small `e`, so that it
+/// meets no edge and no corner.
+#[inline(always)]
+fn owns<C: Real>(from: [C; 3], to: [C; 3], positive: bool) -> bool {
+    let (from, to) = if positive { (from, to) } else { (to, from) };
+    to[1] > from[1] || (to[1] == from[1] && to[0] < from[0])
 }
 
 /// `[t, u, v]`; written so that a NaN misses.
