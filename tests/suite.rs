@@ -66,5 +66,11 @@ mod kept_rays;
 /// Hard cases of light: chains of mirrors, refraction against exact arithmetic, lights of triangles.
 mod light_cases;
 
+/// Lights over a floor have their form factors, however they are sampled.
+mod form_factors;
+
+/// Picture files keep what they are given.
+mod picture_files;
+
 /// The hard cases by their numbers.
 mod cases;

@@ -144,8 +144,9 @@ pub(crate) const SHARES: f64 = 4.0 * REVERSED;
 /// seeds are fixed.
 pub(crate) const DEVIATIONS: f64 = 4.0;
 
-/// Relative standard error that a mean of light found by chance must reach where a million paths look for a large one.
-pub(crate) const BY_CHANCE: f64 = 2.5e-3;
+/// Relative standard error that a mean of light found by chance must reach where two million paths look for a large one,
+/// spread evenly over the directions.
+pub(crate) const BY_CHANCE: f64 = 1e-3;
 
 /// Relative error of a form factor if a polygon stands for the disc around it: it holds the disc of cos(pi / n) times
 /// the radius, and form factors grow no faster than the area.

@@ -16,6 +16,8 @@ pub struct Mirror<R: Real> {
 #[inline]
 fn reflect<R: Real>(wo: Vec3<R>, n: Vec3<R>) -> Vec3<R> {
     let along = wo.dot(n);
+    // A normal that was formed without wider numbers is a few roundings off length 1, and the mirror off its plane.
+    let along = if const { R::WIDE_IS_SELF } { along / n.dot(n) } else { along };
     normalize::<R>(n * (along + along) - wo)
 }
 
