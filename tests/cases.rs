@@ -101,8 +101,8 @@ const CASES: &[Case] = &[
         "corners and contacts",
         &[
             "furnace::glass_is_entered_as_often_as_it_is_left",
-            "seams::the_seam_of_two_walls_is_lit",
-            "seams::the_seam_of_two_flat_walls_is_lit",
+            "seams::the_seam_of_round_walls_is_lit",
+            "seams::the_seam_of_flat_walls_is_lit",
         ],
         "",
     ),

@@ -10,15 +10,16 @@ use crate::support::scene::{CAMERA, OwnedScene, STRUCTURES};
 use crate::support::trials::{Trials, trials};
 use crate::support::wedge::{WEDGES, direct_light, wedge};
 
-in_both_precisions!(the_seam_of_two_walls_is_lit, the_seam_of_two_flat_walls_is_lit);
+in_both_precisions!(the_seam_of_round_walls_is_lit, the_seam_of_flat_walls_is_lit);
 
-/// Whichever of two flat walls a ray is said to hit at their seam, its point is within rounding of the other.
-fn the_seam_of_two_flat_walls_is_lit<R: Real>() {
-    for degrees in WEDGES {
-        let lit = Trials::of::<R>("N24", &format!("the seam of two flat walls that meet at {degrees} degrees"));
+/// Whichever of two walls a ray is said to hit at their seam, its point is within rounding of the other.
+fn the_seam_of_flat_walls_is_lit<R: Real>() {
+    for (degrees, round) in WEDGES.into_iter().flat_map(|degrees| [(degrees, false), (degrees, true)]) {
+        let walls = if round { "a flat and a round wall" } else { "two flat walls" };
+        let lit = Trials::of::<R>("N24", &format!("the seam of {walls} that meet at {degrees} degrees"));
         let mut random = Random::new(42);
         for _ in 0..trials(20_000) / 10 {
-            let (scene, ray) = wedge::<R>(&mut random, degrees);
+            let (scene, ray) = wedge::<R>(&mut random, degrees, round);
             let structure = STRUCTURES[random.below(3)];
             let light = direct_light::<R, Everything>(&scene, structure, ray);
             lit.holds(light != 0.0, || format!("{ray:?} {:?} {:?}", scene.positions, scene.lights));
@@ -29,9 +30,9 @@ fn the_seam_of_two_flat_walls_is_lit<R: Real>() {
 
 /// Two huge spheres that cross at an angle, seen from between them exactly at the seam, with a lamp between them, too.
 /// Whichever of the two a ray is said to hit, its point is within rounding of the other, on either side of it.
-fn the_seam_of_two_walls_is_lit<R: Real>() {
+fn the_seam_of_round_walls_is_lit<R: Real>() {
     for degrees in WEDGES {
-        let lit = Trials::of::<R>("N24", &format!("the seam of two walls that meet at {degrees} degrees"));
+        let lit = Trials::of::<R>("N24", &format!("the seam of two round walls that meet at {degrees} degrees"));
         let mut random = Random::new(41);
         let half = 0.5 * degrees.to_radians();
         for _ in 0..trials(20_000) / 10 {

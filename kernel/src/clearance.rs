@@ -7,9 +7,9 @@
 
 use crate::bvh::{Bounds, any_triangle_near};
 use crate::real::{Real, Vec3, Vector, WideVec3, narrow, widen};
-use crate::robust::error_box;
+use crate::robust::gamma;
 use crate::scene::Scene;
-use crate::shape::triangle::normal;
+use crate::shape::triangle::{extent, normal};
 use crate::surface::SurfacePoint;
 
 /// How many planes beside the surface's own are minded: the corner of a room has two.
@@ -32,6 +32,8 @@ pub(crate) struct Clearance<'a, R: Real> {
     pub(crate) viewer: Vec3<R>,
     pub(crate) ng: Vec3<R>,
     pub(crate) offset: Vec3<R>,
+    /// How far the point may be from where the ray should have met the surface, on each axis.
+    pub(crate) error: Vec3<R>,
 }
 
 impl<R: Real> Clearance<'_, R> {
@@ -45,7 +47,7 @@ impl<R: Real> Clearance<'_, R> {
     /// The box in which other triangles matter.
     #[inline(always)]
     fn place(&self) -> Bounds<R> {
-        let reach = error_box::<R>(self.point.p, self.point.p_error) * R::from_f64(2.0);
+        let reach = self.error * R::from_f64(2.0);
         let mut place = Bounds::EMPTY;
         place.grow(self.point.p - reach);
         place.grow(self.point.p + reach);
@@ -65,7 +67,9 @@ impl<R: Real> Clearance<'_, R> {
         let front = normal::<R>(&corners);
         let n = if front.dot(widen::<R>(self.viewer) - corner) < R::Wide::ZERO { -front } else { front };
         let height = n.dot(widen::<R>(self.point.p) - corner);
-        let error = n.abs().dot(widen::<R>(error_box::<R>(self.point.p, self.point.p_error)));
+        // What the test of that triangle may add.
+        let own = Vec3::<R>::splat(extent::<R>(&corners) * gamma::<R>(8));
+        let error = n.abs().dot(widen::<R>(self.error + own));
         let least = error - height;
         let is_near = n.dot(widen::<R>(self.offset)) < least && least < error * R::Wide::from_f64(3.0);
         is_near.then_some(Plane { n, least })

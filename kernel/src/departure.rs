@@ -5,7 +5,7 @@ use crate::clearance::Clearance;
 use crate::effects::{EffectSet, Effects};
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector};
-use crate::robust::{CONSTANT_OFFSET, offset_distance, origin_error};
+use crate::robust::{CONSTANT_OFFSET, offset_distance, origin_error, point_error};
 use crate::scene::Scene;
 use crate::surface::{Facing, SurfacePoint};
 
@@ -68,7 +68,15 @@ impl<R: Real> Arrival<'_, R> {
         let clears =
             const { matches!(E::ACCURACY.offset, RayOffset::Cleared) && E::EFFECTS.contains(Effects::TRIANGLES) };
         if clears && back {
-            let clearance = Clearance { scene, point, primitive: hit.primitive, viewer: self.ray.origin, ng, offset };
+            let clearance = Clearance {
+                scene,
+                point,
+                primitive: hit.primitive,
+                viewer: self.ray.origin,
+                ng,
+                offset,
+                error: point_error::<R>(point.p, point.p_error, hit.t),
+            };
             if clearance.is_needed() {
                 let cleared = clearance.offset();
                 departure.origin = point.p + cleared;

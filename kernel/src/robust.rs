@@ -89,10 +89,17 @@ pub(crate) fn origin_error<R: Real>(p: Vec3<R>, p_error: Vec3<R>, t: R) -> R {
     sides.dot(Vec3::<R>::splat(R::from_f64(2.0) + gamma::<R>(16))) + t * gamma::<R>(4)
 }
 
+/// How far `p` may be on each axis from the exact point that a ray of unit direction first meets, and from where rays
+/// would start there. That is the error of `p` on its surface, and along the surface what rounds its distance `t`.
+#[inline]
+pub(crate) fn point_error<R: Real>(p: Vec3<R>, p_error: Vec3<R>, t: R) -> Vec3<R> {
+    error_box::<R>(p, p_error) + Vec3::<R>::splat(t * gamma::<R>(4))
+}
+
 /// Half the sides of the box around `p` that an offset has to leave: the errors of `p`, and the rounding of the offset
 /// itself.
 #[inline]
-pub(crate) fn error_box<R: Real>(p: Vec3<R>, p_error: Vec3<R>) -> Vec3<R> {
+fn error_box<R: Real>(p: Vec3<R>, p_error: Vec3<R>) -> Vec3<R> {
     p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2)
 }
 

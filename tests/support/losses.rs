@@ -263,7 +263,7 @@ fn dark_seams<R: Real, E: EffectSet>(count: u32) -> Loss {
     let mut random = Random::new(42);
     let mut loss = Loss::default();
     for case in 0..count as usize {
-        let (scene, ray) = wedge::<R>(&mut random, WEDGES[case % WEDGES.len()]);
+        let (scene, ray) = wedge::<R>(&mut random, WEDGES[case % WEDGES.len()], false);
         loss.holds(direct_light::<R, E>(&scene, None, ray) != 0.0);
     }
     loss

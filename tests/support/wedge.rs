@@ -14,9 +14,9 @@ use super::scene::{OwnedScene, v};
 /// Angles at which walls meet, degrees.
 pub(crate) const WEDGES: [f64; 3] = [90.0, 30.0, 1.0];
 
-/// Two grey walls anywhere that meet at an angle, a lamp between them, and a ray from between them that is aimed at
-/// their seam.
-pub(crate) fn wedge<R: Real>(random: &mut Random, degrees: f64) -> (OwnedScene<R>, Ray<R>) {
+/// Two grey walls anywhere that meet at an angle, one of them perhaps `round`, a lamp between them, and a ray from between
+/// them that is aimed at their seam.
+pub(crate) fn wedge<R: Real>(random: &mut Random, degrees: f64, round: bool) -> (OwnedScene<R>, Ray<R>) {
     let half = 0.5 * degrees.to_radians();
     let far = libm::exp(random.between(0.0, 6.0));
     let center = random.in_cube().map(|x| x * far);
@@ -26,14 +26,21 @@ pub(crate) fn wedge<R: Real>(random: &mut Random, degrees: f64) -> (OwnedScene<R
         at([distance * libm::sin(angle), distance * libm::cos(angle), random.between(-1.0, 1.0)])
     };
     let (eye, lamp) = (between(), between());
-    let target = v::<R>(at([0.0, 0.0, random.between(-1.0, 1.0)]));
+    let along = random.between(-1.0, 1.0);
+    let target = v::<R>(at([0.0, 0.0, along]));
     let end = |side: f64, z: f64| at([side * 20.0 * libm::sin(half), 20.0 * libm::cos(half), z]);
-    let seam = [-20.0, 20.0].map(|z| at([0.0, 0.0, z]));
+    // A round wall only touches the seam: the flat one has to go on into it.
+    let beyond = if round { 20.0 } else { 0.0 };
+    let seam = [-20.0, 20.0].map(|z| at([beyond * libm::sin(half), -beyond * libm::cos(half), z]));
     let positions = vec![seam[0], seam[1], end(-1.0, -20.0), end(-1.0, 20.0), end(1.0, -20.0), end(1.0, 20.0)];
-    let triangles = vec![[0, 1, 2], [1, 3, 2], [0, 4, 1], [1, 4, 5]];
+    let triangles = [[0, 1, 2], [1, 3, 2], [0, 4, 1], [1, 4, 5]][..if round { 2 } else { 4 }].to_vec();
     let mut scene = OwnedScene::<R>::default();
     let grey = scene.diffuse(0.5, 0.0);
     scene.mesh(&Mesh { positions, triangles }, grey);
+    if round {
+        let radius = libm::exp(random.between(3.0, 9.0));
+        scene.sphere(at([radius * libm::cos(half), -radius * libm::sin(half), along]), radius, grey);
+    }
     scene.point_light(lamp, 1.0);
     let eye = v::<R>(eye);
     (scene, Ray::new(eye, normalize::<R>(target - eye)))

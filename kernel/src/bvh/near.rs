@@ -3,7 +3,7 @@
 use super::{Bounds, Bvh, Leaf};
 use crate::real::Real;
 use crate::shape::Geometry;
-use crate::shape::triangle::exact_bounds;
+use crate::shape::triangle::bounds;
 
 /// Whether `is_it` holds for the index of any triangle (counted without the spheres) whose own box meets `place`. Those
 /// are asked until one says yes, in an order that depends on the structure.
@@ -14,13 +14,13 @@ pub(crate) fn any_triangle_near<R: Real>(
     place: &Bounds<R>,
     mut is_it: impl FnMut(usize) -> bool,
 ) -> bool {
-    let mut is_near = |index: usize| exact_bounds(&geometry.corners(index)).meets(place) && is_it(index);
+    let mut is_near = |index: usize| bounds::<R>(&geometry.corners(index)).meets(place) && is_it(index);
     let Some(bvh) = bvh.filter(|bvh| bvh.fits(geometry)) else {
         return (0..geometry.triangles().len()).any(is_near);
     };
     let spheres = geometry.spheres().len();
     bvh.walk(
-        |bounds| bounds.meets(place),
+        |around| around.meets(place),
         |leaf| match leaf {
             Leaf::Triangles(range) => {
                 bvh.triangle_order[range].iter().any(|&primitive| is_near(primitive as usize - spheres))

@@ -128,8 +128,10 @@ fn roots<C: Real>(
     let radius_square = radius * radius;
     let along = to_center.dot(d);
     // Behind an origin outside of the sphere, or not inside by more than its error: where two walls meet, a ray that
-    // leaves one must not start behind the other.
-    let doubtful = radius * (error + error);
+    // leaves one must not start behind the other. Which of them was met first this test decided, with roundings of the
+    // size of the sphere itself.
+    let own = if stable && error > C::ZERO { radius * gamma::<C>(16) } else { C::ZERO };
+    let doubtful = radius * (error + error + own);
     if along < C::ZERO && to_center.dot(to_center) + doubtful > radius_square {
         return None;
     }
