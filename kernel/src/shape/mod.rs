@@ -263,16 +263,22 @@ impl<'a, R: Real> Geometry<'a, R> {
     #[inline]
     pub(crate) fn cross<E: EffectSet>(&self, ray: &PreparedRay<R>, tmax: R, index: u32, see: &mut impl FnMut(Hit<R>)) {
         let at = index as usize;
+        // As a hit does, a crossing counts only in the primitive's own box: so no box around it can hide it.
+        let mut see_in_box = |own: Bounds<R>, found: Hit<R>| {
+            if let Some(near) = own.entry(ray, tmax) {
+                see(Hit { t: greater(found.t, near), ..found });
+            }
+        };
         match self.spheres.get(at) {
             Some(sphere) if const { E::EFFECTS.contains(Effects::SPHERES) } => {
-                let in_range = |t: &R| *t > ray.tmin && *t <= tmax;
-                let roots = sphere.crossings::<E>(ray).into_iter().flatten();
-                roots.filter(in_range).for_each(|t| see(Hit { t, u: R::ZERO, v: R::ZERO, primitive: index }));
+                for t in sphere.crossings::<E>(ray).into_iter().flatten().filter(|t| *t > ray.tmin && *t <= tmax) {
+                    see_in_box(sphere.bounds(), Hit { t, u: R::ZERO, v: R::ZERO, primitive: index });
+                }
             }
             None if const { E::EFFECTS.contains(Effects::TRIANGLES) } => {
                 let corners = self.corners(at - self.spheres.len());
                 if let Some((t, u, v)) = triangle::cross::<R, E>(&corners, ray, tmax) {
-                    see(Hit { t, u, v, primitive: index });
+                    see_in_box(triangle::bounds(&corners), Hit { t, u, v, primitive: index });
                 }
             }
             _ => {}

@@ -102,8 +102,8 @@ fn check_in<R: Float>(case: &Case) {
     }
 }
 
-/// The closest hit as bits, so that NaN and -0 would show, and whether there is any.
-type Answer = (Option<([u64; 3], u32)>, bool);
+/// The closest hit as bits, so that NaN and -0 would show, whether there is any, and all crossings.
+type Answer = (Option<([u64; 3], u32)>, bool, Vec<([u64; 3], u32)>);
 
 fn answer<R: Real>(geometry: &Geometry<'_, R>, bvh: Option<&Bvh<'_, R>>, ray: &Ray<R>) -> Answer {
     let hit = bvh::intersect::<R, Everything>(geometry, bvh, ray);
@@ -114,7 +114,13 @@ fn answer<R: Real>(geometry: &Geometry<'_, R>, bvh: Option<&Bvh<'_, R>>, ray: &R
         assert!(hit.t > ray.tmin && hit.t <= ray.tmax, "{ray:?} {hit:?}");
     }
     let bits = |hit: Hit<R>| ([hit.t, hit.u, hit.v].map(|x| x.to_f64().to_bits()), hit.primitive);
-    (hit.map(bits), occluded)
+    let mut crossings = Vec::new();
+    bvh::crossings::<R, Everything>(geometry, bvh, ray, |hit| {
+        assert!(hit.t > ray.tmin && hit.t <= ray.tmax && ray.is_valid(), "{ray:?} {hit:?}");
+        crossings.push(bits(hit));
+    });
+    crossings.sort_unstable();
+    (hit.map(bits), occluded, crossings)
 }
 
 /// Every primitive is in one leaf, no deeper than traversal has a stack for.
