@@ -6,10 +6,10 @@
 //! every surface that is that close, so that is where the next one has to start.
 
 use crate::bvh::{Bounds, any_triangle_near};
-use crate::real::{Real, Vec3, Vector, WideVec3, narrow, widen};
-use crate::robust::gamma;
+use crate::real::{Real, Vec3, Vector, WideVec3, greater, narrow, widen};
+use crate::robust::triangle_point_error;
 use crate::scene::Scene;
-use crate::shape::triangle::{extent, normal};
+use crate::shape::triangle::normal;
 use crate::surface::SurfacePoint;
 
 /// How many planes beside the surface's own are minded: the corner of a room has two.
@@ -34,6 +34,12 @@ pub(crate) struct Clearance<'a, R: Real> {
     pub(crate) offset: Vec3<R>,
     /// How far the point may be from where the ray should have met the surface, on each axis.
     pub(crate) error: Vec3<R>,
+}
+
+/// The larger of each component.
+#[inline(always)]
+fn larger<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
+    Vector::new(greater(a.x(), b.x()), greater(a.y(), b.y()), greater(a.z(), b.z()))
 }
 
 impl<R: Real> Clearance<'_, R> {
@@ -67,9 +73,9 @@ impl<R: Real> Clearance<'_, R> {
         let front = normal::<R>(&corners);
         let n = if front.dot(widen::<R>(self.viewer) - corner) < R::Wide::ZERO { -front } else { front };
         let height = n.dot(widen::<R>(self.point.p) - corner);
-        // What the test of that triangle may add.
-        let own = Vec3::<R>::splat(extent::<R>(&corners) * gamma::<R>(8));
-        let error = n.abs().dot(widen::<R>(self.error + own));
+        // At least what a hit of that triangle at this point would be off by.
+        let own = triangle_point_error::<R>(self.point.p.abs(), &corners);
+        let error = n.abs().dot(widen::<R>(larger::<R>(self.error, own)));
         let least = error - height;
         let is_near = n.dot(widen::<R>(self.offset)) < least && least < error * R::Wide::from_f64(3.0);
         is_near.then_some(Plane { n, least })

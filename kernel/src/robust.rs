@@ -2,7 +2,7 @@
 
 #[cfg(doc)]
 use crate::accuracy::RayOffset;
-use crate::real::{Real, Vec3, Vector, WideVec3, narrow, widen};
+use crate::real::{Real, Vec3, Vector, WideVec3, greater, narrow, widen};
 
 /// `n u / (1 - n u)`, the bound on the relative error of `n` roundings (Higham 2002, section 3.1).
 #[inline]
@@ -87,6 +87,17 @@ pub const CONSTANT_OFFSET: f64 = 1e-3;
 pub(crate) fn origin_error<R: Real>(p: Vec3<R>, p_error: Vec3<R>, t: R) -> R {
     let sides = error_box::<R>(p, p_error);
     sides.dot(Vec3::<R>::splat(R::from_f64(2.0) + gamma::<R>(16))) + t * gamma::<R>(4)
+}
+
+/// How far a point of a triangle, the weighted sum of its `corners`, may be from the triangle, on each axis; `terms` are
+/// the magnitudes of the summands together.
+///
+/// PBR 4ed, section 6.8.5, and what the rounding of t can add: that comes from all axes of the corners, so it counts on
+/// each, also along the normal of a plane in which one coordinate is 0.
+#[inline]
+pub fn triangle_point_error<R: Real>(terms: Vec3<R>, corners: &[Vec3<R>; 3]) -> Vec3<R> {
+    let [a, b, c] = corners.map(|corner| Vector::<R>::abs(corner).max_component());
+    terms * gamma::<R>(7) + Vec3::<R>::splat(greater(greater(a, b), c) * gamma::<R>(3))
 }
 
 /// How far `p` may be on each axis from the exact point that a ray of unit direction first meets, and from where rays

@@ -2,8 +2,8 @@
 
 use crate::effects::{EffectSet, Effects};
 use crate::ray::{Hit, Ray};
-use crate::real::{Real, Vec3, Vector, greater, narrow};
-use crate::robust::{gamma, normalize, normalize_wide};
+use crate::real::{Real, Vec3, Vector, narrow};
+use crate::robust::{normalize, normalize_wide, triangle_point_error};
 use crate::scene::Scene;
 use crate::shape::triangle::normal;
 
@@ -90,10 +90,7 @@ pub(crate) fn surface_point<R: Real, E: EffectSet>(
     let ng = narrow::<R>(normalize_wide::<R>(normal::<R>(&corners)));
     let terms: [Vec3<R>; 3] = core::array::from_fn(|corner| corners[corner] * weights[corner]);
     let p = terms[0] + terms[1] + terms[2];
-    // PBR 4ed, section 6.8.5, and what the rounding of t can add: it comes from all axes of the corners, so it counts
-    // on each, also along the normal of a plane in which one coordinate is 0.
-    let p_error = (terms[0].abs() + terms[1].abs() + terms[2].abs()) * gamma::<R>(7)
-        + Vec3::<R>::splat(largest::<R>(corners) * gamma::<R>(3));
+    let p_error = triangle_point_error::<R>(terms[0].abs() + terms[1].abs() + terms[2].abs(), &corners);
     let mut point = SurfacePoint { p, p_error, ng, ns: ng, uv: [R::ZERO; 2], wo, material: attributes.material };
     if const { E::EFFECTS.contains(Effects::SMOOTH_NORMALS) }
         && let Some(normals) = attributes.normals
@@ -115,11 +112,4 @@ pub(crate) fn surface_point<R: Real, E: EffectSet>(
         point.uv = core::array::from_fn(|i| a[i] * weights[0] + b[i] * weights[1] + c[i] * weights[2]);
     }
     point
-}
-
-/// The largest magnitude of any component.
-#[inline]
-fn largest<R: Real>(corners: [Vec3<R>; 3]) -> R {
-    let [a, b, c] = corners.map(|corner| Vector::abs(corner).max_component());
-    greater(greater(a, b), c)
 }

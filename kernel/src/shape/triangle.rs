@@ -65,35 +65,18 @@ impl<R: Real> Shear<R> {
 /// The box of a triangle, larger by [`triangle_padding`].
 #[inline]
 pub fn bounds<R: Real>(corners: &[Vec3<R>; 3]) -> Bounds<R> {
-    let mut bounds = exact_bounds::<R>(corners);
-    let padding = triangle_padding::<R>(longest_side(&bounds));
-    // Not where a corner is infinite, or so far off that the extent is.
-    if padding.is_finite() {
-        let [low, high] = bounds.corners;
-        bounds.corners = [low.map(|low| low - padding), high.map(|high| high + padding)];
-    }
-    bounds
-}
-
-/// The longest side of a triangle's box.
-#[inline]
-pub(crate) fn extent<R: Real>(corners: &[Vec3<R>; 3]) -> R {
-    longest_side(&exact_bounds::<R>(corners))
-}
-
-#[inline]
-fn exact_bounds<R: Real>(corners: &[Vec3<R>; 3]) -> Bounds<R> {
     let mut bounds = Bounds::EMPTY;
     for corner in corners {
         bounds.grow(*corner);
     }
-    bounds
-}
-
-#[inline]
-fn longest_side<R: Real>(bounds: &Bounds<R>) -> R {
     let [low, high] = bounds.corners;
-    (0..3).fold(R::ZERO, |longest, axis| greater(longest, high[axis] - low[axis]))
+    let extent = (0..3).fold(R::ZERO, |longest, axis| greater(longest, high[axis] - low[axis]));
+    let padding = triangle_padding::<R>(extent);
+    // Not where a corner is infinite, or so far off that the extent is.
+    if padding.is_finite() {
+        bounds.corners = [low.map(|low| low - padding), high.map(|high| high + padding)];
+    }
+    bounds
 }
 
 /// `(t, u, v)` in `tmin < t <= tmax`, with u and v the weights of the second and third corner.
