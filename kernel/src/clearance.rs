@@ -12,112 +12,120 @@ use crate::scene::Scene;
 use crate::shape::triangle::normal;
 use crate::surface::SurfacePoint;
 
-/// How many planes beside the surface's own are minded: the corner of a room has two.
-const PLANES: usize = 4;
+/// How many triangles are minded, one after the other: the corner of a room has two walls beside the surface's own, each
+/// perhaps cut into a few triangles that meet there.
+const TRIANGLES: usize = 16;
 
-/// A plane near a point, with all lengths times that of `n`.
+/// Square of the sine of the angle below which two planes count as one: 0.6 degrees.
+const PARALLEL: f64 = 1e-4;
+
+/// A plane near a point.
 struct Plane<R: Real> {
-    /// Normal of any length, on the viewer's side.
+    /// Unit normal on the viewer's side.
     n: WideVec3<R>,
-    /// How far the origin of a ray must lie from the point along `n`, at least.
-    least: R::Wide,
+    /// How much too near to it, or beyond, the origin of a ray is.
+    lacking: R::Wide,
 }
 
-/// A point that was seen from `viewer`, on a surface whose unit normal `ng` is on the viewer's side, and from which
-/// rays would start `offset` away, straight above it.
+/// A point that was seen from `viewer`, on a surface whose unit normal `ng` is on the viewer's side.
 pub(crate) struct Clearance<'a, R: Real> {
     pub(crate) scene: &'a Scene<'a, R>,
     pub(crate) point: &'a SurfacePoint<R>,
-    pub(crate) primitive: u32,
     pub(crate) viewer: Vec3<R>,
     pub(crate) ng: Vec3<R>,
-    pub(crate) offset: Vec3<R>,
-    /// How far the point may be from where the ray should have met the surface, on each axis.
+    /// How far the point may be from where the ray should have met the surface: on each axis, and along the surface.
     pub(crate) error: Vec3<R>,
-}
-
-/// The larger of each component.
-#[inline(always)]
-fn larger<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
-    Vector::new(greater(a.x(), b.x()), greater(a.y(), b.y()), greater(a.z(), b.z()))
+    pub(crate) along: R,
 }
 
 impl<R: Real> Clearance<'_, R> {
-    /// Whether there is a triangle so near that rounding may have moved the origin of those rays beyond it.
+    /// Whether there is a triangle so near that an origin `offset` from the point is on the wrong side of it.
     #[inline(always)]
-    pub(crate) fn is_needed(&self) -> bool {
-        let is_in_the_way = |index| self.plane(index).is_some();
+    pub(crate) fn is_needed(&self, offset: Vec3<R>) -> bool {
+        let offset = widen::<R>(offset);
+        let is_in_the_way = |index| self.plane(index, offset).is_some();
         any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), is_in_the_way)
     }
 
     /// The box in which other triangles matter.
     #[inline(always)]
     fn place(&self) -> Bounds<R> {
-        let reach = self.error * R::from_f64(2.0);
+        let reach = (self.error + Vec3::<R>::splat(self.along)) * R::from_f64(2.0);
         let mut place = Bounds::EMPTY;
         place.grow(self.point.p - reach);
         place.grow(self.point.p + reach);
         place
     }
 
-    /// The plane of a triangle, if rays would start too near to it or beyond. `None` where the point is beyond it by
-    /// more than its error: then it has a right to be.
+    /// The plane of a triangle, if `offset` from the point is too near to it or beyond. `None` where the point itself is
+    /// beyond it by more than twice its error: then it has a right to be. None, too, for the surface's own plane, in which
+    /// its neighbours lie and perhaps copies of it: nothing can be moved off that but by its own offset.
     #[inline(always)]
-    fn plane(&self, index: usize) -> Option<Plane<R>> {
-        let geometry = self.scene.geometry();
-        if index + geometry.spheres().len() == self.primitive as usize {
-            return None;
-        }
-        let corners = geometry.corners(index);
+    fn plane(&self, index: usize, offset: WideVec3<R>) -> Option<Plane<R>> {
+        let corners = self.scene.geometry().corners(index);
         let corner = widen::<R>(corners[0]);
         let front = normal::<R>(&corners);
+        let ng = widen::<R>(self.ng);
+        let square = front.dot(front);
+        let aside = front - ng * front.dot(ng);
+        let aside_square = aside.dot(aside);
+        if !(aside_square > square * R::Wide::from_f64(PARALLEL)) {
+            return None;
+        }
         let n = if front.dot(widen::<R>(self.viewer) - corner) < R::Wide::ZERO { -front } else { front };
         let height = n.dot(widen::<R>(self.point.p) - corner);
         // At least what a hit of that triangle at this point would be off by.
         let own = triangle_point_error::<R>(self.point.p.abs(), &corners);
-        let error = n.abs().dot(widen::<R>(larger::<R>(self.error, own)));
+        let error = n.abs().dot(widen::<R>(larger::<R>(self.error, own))) + aside_square.sqrt() * self.along.widen();
         let least = error - height;
-        let is_near = n.dot(widen::<R>(self.offset)) < least && least < error * R::Wide::from_f64(3.0);
-        is_near.then_some(Plane { n, least })
+        let lacking = least - n.dot(offset);
+        let is_near = lacking > R::Wide::ZERO && least < error * R::Wide::from_f64(3.0);
+        let inverse_length = R::Wide::ONE / square.sqrt();
+        is_near.then(|| Plane { n: n * inverse_length, lacking: lacking * inverse_length })
     }
 
-    /// Where rays start instead, as seen from the point.
+    /// Where rays start instead, as seen from the point, if not `offset` from it.
     #[cold]
     #[inline(never)]
-    pub(crate) fn offset(&self) -> Vec3<R> {
-        // The lowest triangles in their order, whatever order they are found in.
-        let mut nearby = [usize::MAX; PLANES];
-        any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), |mut index| {
-            if self.plane(index).is_some() {
-                for kept in &mut nearby {
-                    if index < *kept {
-                        core::mem::swap(kept, &mut index);
-                    }
-                }
-            }
-            false
-        });
+    pub(crate) fn cleared(&self, offset: Vec3<R>) -> Vec3<R> {
         let ng = widen::<R>(self.ng);
-        let mut offset = widen::<R>(self.offset);
-        // What is moved off one plane may come nearer to another: twice round is enough for the corner of a room.
-        let found = nearby.into_iter().filter(|index| *index != usize::MAX);
-        for Plane { n, least } in found.clone().chain(found).filter_map(|index| self.plane(index)) {
-            let length = n.dot(n).sqrt();
-            let n = n * (R::Wide::ONE / length);
-            let lacking = least / length - offset.dot(n);
-            if !(lacking > R::Wide::ZERO) {
+        let mut offset = widen::<R>(offset);
+        // From the lowest triangle to the highest, whatever order they are found in; and once more, since what is moved
+        // off one plane may come nearer to another.
+        let (mut next, mut rounds) = (0, 0);
+        for _ in 0..TRIANGLES {
+            let mut lowest = usize::MAX;
+            any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), |index| {
+                if index >= next && index < lowest && self.plane(index, offset).is_some() {
+                    lowest = index;
+                }
+                false
+            });
+            let Some(Plane { n, lacking }) = (if lowest == usize::MAX { None } else { self.plane(lowest, offset) })
+            else {
+                rounds += 1;
+                if rounds == 2 {
+                    break;
+                }
+                next = 0;
                 continue;
-            }
+            };
+            next = lowest + 1;
             let along = n.dot(ng);
-            let aside = n - ng * along;
-            let square = aside.dot(aside);
-            // Straight up where that adds to the surface's own offset; else within its plane, so that that stays.
+            // Straight away from it where that adds to the surface's own offset; else within its plane, so that that stays.
             if along > R::Wide::from_f64(0.5) {
                 offset = offset + n * lacking;
-            } else if square > R::Wide::from_f64(1e-4) {
-                offset = offset + aside * (lacking / square);
+            } else {
+                let aside = n - ng * along;
+                offset = offset + aside * (lacking / aside.dot(aside));
             }
         }
         narrow::<R>(offset)
     }
+}
+
+/// The larger of each component.
+#[inline(always)]
+fn larger<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
+    Vector::new(greater(a.x(), b.x()), greater(a.y(), b.y()), greater(a.z(), b.z()))
 }

@@ -5,7 +5,7 @@ use crate::clearance::Clearance;
 use crate::effects::{EffectSet, Effects};
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector};
-use crate::robust::{CONSTANT_OFFSET, offset_distance, origin_error, point_error};
+use crate::robust::{CONSTANT_OFFSET, distance_error, error_box, offset_distance, origin_error};
 use crate::scene::Scene;
 use crate::surface::{Facing, SurfacePoint};
 
@@ -51,10 +51,10 @@ impl<R: Real> Arrival<'_, R> {
         self.departure::<E>(ng, front, front == facing.front)
     }
 
-    /// Of rays that leave to the side of the unit normal `ng`, which may be the `front`, and which may be the one that
-    /// the ray came `back` to.
+    /// Of rays that leave to the side of the unit normal `ng`: whether that is the surface's front, and whether it is the
+    /// side that the ray came from.
     #[inline(always)]
-    fn departure<E: EffectSet>(&self, ng: Vec3<R>, front: bool, back: bool) -> Departure<R> {
+    fn departure<E: EffectSet>(&self, ng: Vec3<R>, front: bool, same_side: bool) -> Departure<R> {
         let Self { scene, hit, point, .. } = *self;
         if const { matches!(E::ACCURACY.offset, RayOffset::Constant) } {
             return Departure::exactly(point.p + ng * R::from_f64(CONSTANT_OFFSET));
@@ -67,18 +67,12 @@ impl<R: Real> Arrival<'_, R> {
         };
         let clears =
             const { matches!(E::ACCURACY.offset, RayOffset::Cleared) && E::EFFECTS.contains(Effects::TRIANGLES) };
-        if clears && back {
-            let clearance = Clearance {
-                scene,
-                point,
-                primitive: hit.primitive,
-                viewer: self.ray.origin,
-                ng,
-                offset,
-                error: point_error::<R>(point.p, point.p_error, hit.t),
-            };
-            if clearance.is_needed() {
-                let cleared = clearance.offset();
+        if clears && same_side {
+            let error = error_box::<R>(point.p, point.p_error);
+            let along = distance_error::<R>(hit.t);
+            let clearance = Clearance { scene, point, viewer: self.ray.origin, ng, error, along };
+            if clearance.is_needed(offset) {
+                let cleared = clearance.cleared(offset);
                 departure.origin = point.p + cleared;
                 departure.error = departure.error + cleared.abs().dot(Vec3::<R>::ONE);
             }

@@ -86,7 +86,7 @@ pub const CONSTANT_OFFSET: f64 = 1e-3;
 #[inline]
 pub(crate) fn origin_error<R: Real>(p: Vec3<R>, p_error: Vec3<R>, t: R) -> R {
     let sides = error_box::<R>(p, p_error);
-    sides.dot(Vec3::<R>::splat(R::from_f64(2.0) + gamma::<R>(16))) + t * gamma::<R>(4)
+    sides.dot(Vec3::<R>::splat(R::from_f64(2.0) + gamma::<R>(16))) + distance_error::<R>(t)
 }
 
 /// How far a point of a triangle, the weighted sum of its `corners`, may be from the triangle, on each axis; `terms` are
@@ -100,17 +100,17 @@ pub fn triangle_point_error<R: Real>(terms: Vec3<R>, corners: &[Vec3<R>; 3]) -> 
     terms * gamma::<R>(7) + Vec3::<R>::splat(greater(greater(a, b), c) * gamma::<R>(3))
 }
 
-/// How far `p` may be on each axis from the exact point that a ray of unit direction first meets, and from where rays
-/// would start there. That is the error of `p` on its surface, and along the surface what rounds its distance `t`.
+/// What two distances `t` of a ray of unit direction may be off by together: of two surfaces that lie closer together
+/// than that, either may be said to be the first.
 #[inline]
-pub(crate) fn point_error<R: Real>(p: Vec3<R>, p_error: Vec3<R>, t: R) -> Vec3<R> {
-    error_box::<R>(p, p_error) + Vec3::<R>::splat(t * gamma::<R>(4))
+pub(crate) fn distance_error<R: Real>(t: R) -> R {
+    t * gamma::<R>(4)
 }
 
 /// Half the sides of the box around `p` that an offset has to leave: the errors of `p`, and the rounding of the offset
 /// itself.
 #[inline]
-fn error_box<R: Real>(p: Vec3<R>, p_error: Vec3<R>) -> Vec3<R> {
+pub(crate) fn error_box<R: Real>(p: Vec3<R>, p_error: Vec3<R>) -> Vec3<R> {
     p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2)
 }
 

@@ -11,7 +11,8 @@ where
     S::Value: Debug,
 {
     // No file of past failures: what fails once fails again.
-    let config = Config { cases, failure_persistence: None, ..Config::default() };
+    let rejects = cases.max(Config::default().max_global_rejects);
+    let config = Config { cases, failure_persistence: None, max_global_rejects: rejects, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
     if let Err(failure) = runner.run(&strategy, test) {
         panic!("{failure}");

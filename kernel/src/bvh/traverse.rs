@@ -45,7 +45,7 @@ pub(crate) fn search<R: Real, E: EffectSet, const ANY: bool>(
     match bvh.filter(|bvh| bvh.fits(geometry)) {
         Some(bvh) if is_small(bvh) => {
             let ray = PreparedRay::new_in::<E, false>(ray, from);
-            geometry.test_spheres::<E, ANY, ANY, true>(&ray, bvh.sphere_quads, &mut best);
+            geometry.test_spheres::<E, ANY, ANY>(&ray, bvh.sphere_quads, &mut best);
         }
         _ if !ray.is_valid() => return None,
         None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray, from), &mut best),
@@ -77,9 +77,7 @@ fn descend<R: Real, E: EffectSet, const ANY: bool>(
     loop {
         if let Some(leaf) = node.leaf() {
             match leaf {
-                Leaf::Spheres(range) => {
-                    geometry.test_spheres::<E, ANY, true, false>(ray, &bvh.sphere_quads[range], best)
-                }
+                Leaf::Spheres(range) => geometry.test_spheres::<E, ANY, true>(ray, &bvh.sphere_quads[range], best),
                 Leaf::Triangles(range) => geometry.test_triangles::<E, ANY>(ray, &bvh.triangle_order[range], best),
             }
             if ANY && best.primitive != NO_PRIMITIVE {

@@ -223,9 +223,8 @@ impl<'a, R: Real> Geometry<'a, R> {
 
     /// [`Geometry::test_all`] for some of the spheres: all in fours, then what is left one by one. `NARROWED` says
     /// whether the end of the ray is worth a look: not in the search for the closest before anything was hit.
-    /// `SINGLE` says that the quads are those of the only leaf there is, where they hold all spheres in order.
     #[inline(always)]
-    pub(crate) fn test_spheres<E: EffectSet, const ANY: bool, const NARROWED: bool, const SINGLE: bool>(
+    pub(crate) fn test_spheres<E: EffectSet, const ANY: bool, const NARROWED: bool>(
         &self,
         ray: &PreparedRay<R>,
         quads: &[SphereQuad<R>],
@@ -241,14 +240,11 @@ impl<'a, R: Real> Geometry<'a, R> {
             for (quad, shift) in quads.iter().zip((0..).step_by(4)) {
                 candidates |= quad.candidates(ray, end) << shift;
             }
-            if const { SINGLE } {
-                candidates &= !1u32.checked_shl(ray.departed).unwrap_or(0);
-            }
             while candidates != 0 {
                 let at = candidates.trailing_zeros() as usize;
                 candidates &= candidates - 1;
                 let index = quads[at / 4].primitives()[at % 4];
-                if const { !SINGLE } && index == ray.departed {
+                if index == ray.departed {
                     continue;
                 }
                 self.test_sphere::<E>(ray, index, best);
