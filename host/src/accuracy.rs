@@ -10,16 +10,16 @@ use ocellus_kernel::accuracy::{RayOffset, SlabTest, SphereTest, TriangleTest};
 #[command(next_help_heading = "Accuracy (one at a time)")]
 pub struct AccuracyArgs {
     /// How rays are tested against triangles.
-    #[arg(long, value_name = "TEST", default_value = "watertight", value_parser = named(TriangleTest::ALL))]
+    #[arg(long, value_name = "TEST", default_value_t, value_parser = named(TriangleTest::ALL))]
     pub triangle_test: TriangleTest,
     /// How rays are tested against boxes.
-    #[arg(long, value_name = "TEST", default_value = "padded", value_parser = named(SlabTest::ALL))]
+    #[arg(long, value_name = "TEST", default_value_t, value_parser = named(SlabTest::ALL))]
     pub slab_test: SlabTest,
     /// How rays are tested against spheres.
-    #[arg(long, value_name = "TEST", default_value = "wide", value_parser = named(SphereTest::ALL))]
+    #[arg(long, value_name = "TEST", default_value_t, value_parser = named(SphereTest::ALL))]
     pub sphere_test: SphereTest,
     /// How far off a surface rays start that leave it.
-    #[arg(long, value_name = "OFFSET", default_value = "cleared", value_parser = named(RayOffset::ALL))]
+    #[arg(long, value_name = "OFFSET", default_value_t, value_parser = named(RayOffset::ALL))]
     pub ray_offset: RayOffset,
 }
 

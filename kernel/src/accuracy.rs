@@ -53,8 +53,8 @@ choices! {
         /// Moller and Trumbore (JGT 2:1, 1997), all in the kernel's precision. Rays pass between neighbours; triangles
         /// without area may be hit.
         Fast "fast",
-        /// Woop, Benthin and Wald (JCGT 2:1, 2013), all in the kernel's precision. Neighbours leave no gap; t of a
-        /// sliver is as inexact as the sliver is thin.
+        /// Woop, Benthin and Wald (JCGT 2:1, 2013), all in the kernel's precision. Neighbours leave no gap, unless products
+        /// of coordinates underflow; t of a sliver is as inexact as the sliver is thin.
         Narrow "narrow",
         /// The same with exact signs: products of sheared corners are formed in the wide precision.
         Watertight "watertight",
@@ -84,16 +84,20 @@ choices! {
 
     /// Where rays that leave a surface start.
     RayOffset {
-        /// [`CONSTANT_OFFSET`](crate::robust::CONSTANT_OFFSET) off the surface, whatever the scene's scale.
+        /// [`CONSTANT_OFFSET`] off the surface, whatever the scene's scale.
         Constant "constant",
         /// Beyond a derived bound on the error of the point (PBR 4ed, section 6.8.6). Where two surfaces meet, a ray that
         /// leaves one may start behind the other.
         Bounded "bounded",
-        /// The same, and on the right side of all triangles that are that near.
+        /// The same, and, where they stay on the side that the ray came from, on that side of all triangles that are as
+        /// near. Rays that pass through a surface start as `Bounded` has it.
         Cleared "cleared",
     }
     robust Cleared
 }
+
+/// How far off a surface rays start by [`RayOffset::Constant`], scene units.
+pub const CONSTANT_OFFSET: f64 = 1e-3;
 
 /// One value of each choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

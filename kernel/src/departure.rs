@@ -1,11 +1,11 @@
 //! Where the rays that leave a surface start.
 
-use crate::accuracy::RayOffset;
+use crate::accuracy::{CONSTANT_OFFSET, RayOffset};
 use crate::clearance::Clearance;
 use crate::effects::{EffectSet, Effects};
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector};
-use crate::robust::{CONSTANT_OFFSET, distance_error, error_box, offset_distance, origin_error};
+use crate::robust::{distance_error, error_box, offset_distance, origin_error};
 use crate::scene::Scene;
 use crate::surface::{Facing, SurfacePoint};
 

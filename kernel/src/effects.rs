@@ -3,7 +3,7 @@
 //! | bit | who asks for it | what spends it | what it costs when on |
 //! |---|---|---|---|
 //! | `SPHERES` | a sphere in the scene | `shape::sphere`, called by `bvh::traverse` | a test per sphere met |
-//! | `TRIANGLES` | a triangle in the scene | `shape::triangle`, called by `bvh::traverse` | a test per triangle met, the shear of each ray |
+//! | `TRIANGLES` | a triangle in the scene | `shape::triangle`, called by `bvh::traverse`; `clearance` | a test per triangle met, the shear of each ray, a look around each hit |
 //! | `SMOOTH_NORMALS` | a triangle with vertex normals | `surface` | one more normal per hit |
 //! | `TEXTURES` | a material with a texture | `surface`, `texture` | texture coordinates and four texels per hit |
 //! | `MIRROR` | a mirror material | `material::mirror` | a branch per hit |

@@ -4,7 +4,7 @@
 //!     sampler      camera          bvh/traverse       surface          material/  light/           film
 //!     numbers -> lens, film -> Ray -> intersect -> Hit -> SurfacePoint -> BsdfSample, LightSample -> radiance -> Pixel
 //!                    ^                                    |  (occluded for shadow rays)
-//!                    +------ path: throughput *= weight; robust spawns the next Ray <--+
+//!                    +------ path: throughput *= weight; departure starts the next Ray <--+
 //! ```
 //!
 //! # Conventions
@@ -18,6 +18,7 @@
 //!
 //! # To add
 //! - an effect: a bit in [`effects`], its code behind `if const`, its line in `required_effects`;
+//! - an alternative of accuracy: a value in [`accuracy`], its code behind `match const`, its row in the host's table;
 //! - a shape, a material, a light: a variant in [`shape`], [`material`], [`light`], one file for it, then follow the
 //!   compiler.
 #![no_std]

@@ -1,7 +1,5 @@
 //! Every error bound of the kernel, each derived from unit roundoff; none is tuned.
 
-#[cfg(doc)]
-use crate::accuracy::RayOffset;
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, narrow, widen};
 
 /// `n u / (1 - n u)`, the bound on the relative error of `n` roundings (Higham 2002, section 3.1).
@@ -13,8 +11,9 @@ pub fn gamma<R: Real>(n: u32) -> R {
 
 /// Factor that makes the far side of a slab conservative: `1 + 2 gamma(5)`.
 ///
-/// The test itself rounds three times on either side of its comparison, which takes `2 gamma(3)` (Ize 2013). The rest,
-/// with [`triangle_padding`], is for triangles: their test moves the ray by as much.
+/// The test itself rounds four times on either side of its comparison, the padding of the reciprocal included: `8 u` (Ize
+/// 2013 has `2 gamma(3)` for one rounding less). The rest, with [`triangle_padding`], is for triangles: their test moves
+/// the ray by `6 u`, seen from either side of the box.
 #[inline]
 pub fn slab_far_padding<R: Real>() -> R {
     R::ONE + gamma::<R>(5) + gamma::<R>(5)
@@ -69,15 +68,6 @@ pub fn offset_ray_origin<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>, w: 
     p + ng * offset_distance::<R>(p, p_error, ng).copysign(w.dot(ng))
 }
 
-/// [`offset_ray_origin`] to the side of `ng`.
-#[inline]
-pub fn offset_along_normal<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> Vec3<R> {
-    p + ng * offset_distance::<R>(p, p_error, ng)
-}
-
-/// How far off a surface rays start that do not ask for its error, scene units: [`RayOffset::Constant`].
-pub const CONSTANT_OFFSET: f64 = 1e-3;
-
 /// How far an origin put off a surface at `p` can be from the exact point that a ray of unit direction first meets.
 ///
 /// No further than the offset and the diagonal of the error box, neither of them more than the sum of the box's sides
@@ -114,6 +104,7 @@ pub(crate) fn error_box<R: Real>(p: Vec3<R>, p_error: Vec3<R>) -> Vec3<R> {
     p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2)
 }
 
+/// How far rays start from the surface at `p`, along its normal.
 #[inline]
 pub(crate) fn offset_distance<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> R {
     ng.abs().dot(error_box::<R>(p, p_error))

@@ -69,6 +69,7 @@ fn the_report_has_every_key() {
         ("samples", json!([2, 5])),
         ("samples_per_pixel", json!([3, 3])),
         ("max_bounces", json!(7)),
+        ("fresnel", json!("exact")),
         ("effects", json!(["spheres", "sphere-light", "indirect"])),
         ("precision", json!("f32")),
         ("accuracy", json!("robust")),
@@ -103,6 +104,8 @@ fn accuracy_is_chosen_and_reported() {
     assert_ne!(narrow["image_hash"], robust["image_hash"], "less exact spheres change some bits");
     let explained = folder.run(&["explain", "ball.toml", "--ray-offset", "constant"]).with_code(0);
     assert!(explained.stdout.contains("\naccuracy --ray-offset constant\n"), "{}", explained.stdout);
+    let schlick = folder.render(&["ball.toml", "--fresnel", "schlick", "-o", "d.exr"]);
+    assert_eq!(schlick["fresnel"], json!("schlick"));
     let summary = folder.run(&["render", "ball.toml", "--slab-test", "unpadded", "-o", "c.exr"]).with_code(0).stderr;
     assert!(summary.contains("kernel everything with --slab-test unpadded"), "{summary}");
 }

@@ -14,6 +14,9 @@ pub(crate) fn any_triangle_near<R: Real>(
     place: &Bounds<R>,
     mut is_it: impl FnMut(usize) -> bool,
 ) -> bool {
+    if geometry.triangles().is_empty() {
+        return false;
+    }
     let mut is_near = |index: usize| bounds::<R>(&geometry.corners(index)).meets(place) && is_it(index);
     let Some(bvh) = bvh.filter(|bvh| bvh.fits(geometry)) else {
         return (0..geometry.triangles().len()).any(is_near);

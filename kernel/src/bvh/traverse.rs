@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use crate::effects::Everything;
     use crate::real::{Vec3, Vector, vec3_from_f64};
-    use crate::robust::{normalize, offset_along_normal};
+    use crate::robust::{normalize, offset_ray_origin};
     use crate::shape::Sphere;
 
     /// Numbers in -1..1 that look random.
@@ -153,7 +153,7 @@ mod tests {
                     panic!("{outward:?} misses");
                 };
                 let point = spheres[0].point_at(&Ray::new(origin, -outward), hit.t);
-                let from = offset_along_normal::<R>(point.p, point.p_error, point.outward);
+                let from = offset_ray_origin::<R>(point.p, point.p_error, point.outward, point.outward);
                 // Every other one leaves along the surface, or nearly so.
                 let aside = point.outward.cross(direction());
                 let graze = R::from_f64(if k % 4 == 1 { 1e-7 } else { 0.0 });
