@@ -1,17 +1,20 @@
 //! Mirrors and glass: what lossless surfaces do to a path's weight, path by path, and how glass shares light.
 
-use ocellus_kernel::Everything;
+use ocellus_kernel::bvh::Structure;
 use ocellus_kernel::camera::CameraSettings;
 use ocellus_kernel::material::fresnel::{Fresnel, Interface, reflectance};
-use ocellus_kernel::path::PathOptions;
+use ocellus_kernel::path::{PathOptions, radiance};
 use ocellus_kernel::real::{Real, Vector};
 use ocellus_kernel::robust::normalize;
+use ocellus_kernel::sampler::AddressedSampler;
+use ocellus_kernel::{Everything, Ray};
 use proptest::prelude::*;
 
 use crate::support::in_both_precisions;
 use crate::support::meshes::{cube, floor, icosphere};
 use crate::support::property::for_all;
-use crate::support::scene::{CAMERA, OwnedScene, each_path, v, with_view};
+use crate::support::random::Random;
+use crate::support::scene::{CAMERA, OwnedScene, corners, each_path, v, with_view};
 use crate::support::statistics::Moments;
 use crate::support::tolerance::{self, u};
 use crate::support::trials::{Trials, trials};
@@ -19,6 +22,7 @@ use crate::support::trials::{Trials, trials};
 in_both_precisions!(
     every_path_in_a_furnace_weighs_one,
     glass_is_entered_as_often_as_it_is_left,
+    glass_aimed_at_its_edges_is_nearly_always_left,
     the_centre_of_a_glass_ball_sees_the_furnace,
     glass_reflects_what_fresnel_says,
     reflectance_is_a_fraction_that_equals_its_oracle,
@@ -136,6 +140,34 @@ fn glass_is_entered_as_often_as_it_is_left<R: Real>() {
         let has_inside = !matches!(name, "solid ball" | "block");
         assert!(through > 10_000 && (inner_through > 1000) == has_inside, "{name}: {through}, {inner_through}");
         Trials::passed::<R>("N24", &format!("paths cross surfaces an even number of times: {name}"), through);
+    }
+}
+
+/// The same for rays at the edges of bodies of triangles, where their points lie within rounding of two faces or more.
+/// OPEN: 0.85 % of them, not 0, are odd.
+fn glass_aimed_at_its_edges_is_nearly_always_left<R: Real>() {
+    let scenes = bodies::<R>(OUTER, INNER);
+    for (name, scene) in scenes.iter().filter(|(_, scene)| !scene.triangles.is_empty()) {
+        let mut random = Random::new(2402);
+        let (mut paths, mut odd) = (0u32, 0u32);
+        scene.lend(Some(Structure::Bvh), |lent| {
+            for sample in 0..trials(20_000) {
+                let [a, b, _] = corners(lent.geometry(), random.below(scene.triangles.len()));
+                let target = a + (b - a) * R::from_f64(random.unit());
+                let origin = v::<R>(random.on_sphere().map(|x| 3.0 * x));
+                let ray = Ray::new(origin, normalize::<R>(target - origin));
+                let mut numbers = AddressedSampler::new(24, 0, 0, sample);
+                let light = radiance::<R, Everything>(lent, &LONG, ray, &mut numbers).radiance.to_array();
+                let [outer, inner, rest] = light.map(Real::to_f64);
+                if rest != 0.0 {
+                    let crossings = [outer, inner].map(|weight| -libm::log2(weight));
+                    paths += 1;
+                    odd += u32::from(crossings.iter().any(|n| n % 2.0 != 0.0));
+                }
+            }
+        });
+        println!("{name}: {odd} of {paths} paths at edges");
+        assert!(paths > 10_000 && odd < paths / 100, "{name}: {odd} of {paths}");
     }
 }
 

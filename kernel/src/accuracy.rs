@@ -89,8 +89,8 @@ choices! {
         /// Beyond a derived bound on the error of the point (PBR 4ed, section 6.8.6). Where two surfaces meet, a ray that
         /// leaves one may start behind the other.
         Bounded "bounded",
-        /// The same, and, where they stay on the side that the ray came from, on that side of all triangles that are as
-        /// near. Rays that pass through a surface start as `Bounded` has it.
+        /// The same, and on the right side of all triangles that are as near: the one that the ray came from, or, where
+        /// they pass through a triangle, the one that it lies on. Rays that pass through a sphere start as `Bounded` has it.
         Cleared "cleared",
     }
     robust Cleared

@@ -27,7 +27,7 @@ struct Plane<R: Real> {
     lacking: R::Wide,
 }
 
-/// A point that was seen from `viewer`, on a surface whose unit normal `ng` is on the viewer's side.
+/// A point that was seen from `viewer`, or from anywhere else on the right side of what is near, on a surface whose unit normal `ng` is on the viewer's side.
 pub(crate) struct Clearance<'a, R: Real> {
     pub(crate) scene: &'a Scene<'a, R>,
     pub(crate) point: &'a SurfacePoint<R>,

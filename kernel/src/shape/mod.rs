@@ -170,6 +170,14 @@ impl<'a, R: Real> Geometry<'a, R> {
         self.triangles[index].map(|corner| self.positions[corner as usize])
     }
 
+    /// The middle of triangle `index`, a primitive; `None` for a sphere.
+    #[inline]
+    pub(crate) fn middle(&self, index: u32) -> Option<Vec3<R>> {
+        let triangle = (index as usize).checked_sub(self.spheres.len())?;
+        let [a, b, c] = self.corners(triangle);
+        Some((a + b + c) * R::from_f64(1.0 / 3.0))
+    }
+
     /// The box of primitive `index`, which must be one.
     #[inline]
     pub(crate) fn bounds(&self, index: usize) -> Bounds<R> {
