@@ -8,6 +8,7 @@ use std::ops::Range;
 use ocellus_kernel::accuracy::{RayOffset, SlabTest, SphereTest, TriangleTest};
 use ocellus_kernel::{Accuracy, EffectSet, Effects, Everything, Pixel, Real, View, Work};
 
+use crate::accuracy::describe;
 use crate::error::Error;
 use crate::isa::{self, Isa};
 
@@ -192,10 +193,7 @@ alternatives! {
 pub fn select(required: Effects, choice: EffectChoice, accuracy: Accuracy) -> Result<&'static Row, Error> {
     if accuracy != Accuracy::ROBUST {
         return ALTERNATIVES.iter().find(|row| row.accuracy == accuracy).ok_or_else(|| {
-            Error::usage(
-                format!("no kernel has {}", crate::accuracy::describe(accuracy)),
-                format!("choose one of: {}", available()),
-            )
+            Error::usage(format!("no kernel has {}", describe(accuracy)), format!("choose one of: {}", available()))
         });
     }
     TABLE
@@ -211,7 +209,7 @@ pub fn select(required: Effects, choice: EffectChoice, accuracy: Accuracy) -> Re
 
 /// The accuracies that there are kernels for, in the words of the command line.
 fn available() -> String {
-    let alternatives = ALTERNATIVES.iter().map(|row| crate::accuracy::describe(row.accuracy));
+    let alternatives = ALTERNATIVES.iter().map(|row| describe(row.accuracy));
     alternatives.collect::<Vec<_>>().join(", ")
 }
 

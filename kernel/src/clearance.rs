@@ -27,7 +27,8 @@ struct Plane<R: Real> {
     lacking: R::Wide,
 }
 
-/// A point that was seen from `viewer`, or from anywhere else on the right side of what is near, on a surface whose unit normal `ng` is on the viewer's side.
+/// A point that was seen from `viewer`, or from anywhere else on the right side of what is near, on a surface whose unit
+/// normal `ng` is on the side that rays leave to.
 pub(crate) struct Clearance<'a, R: Real> {
     pub(crate) scene: &'a Scene<'a, R>,
     pub(crate) point: &'a SurfacePoint<R>,
@@ -94,15 +95,17 @@ impl<R: Real> Clearance<'_, R> {
         // off one plane may come nearer to another.
         let (mut next, mut rounds) = (0, 0);
         for _ in 0..TRIANGLES {
-            let mut lowest = usize::MAX;
+            let mut lowest: Option<(usize, Plane<R>)> = None;
             any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), |index| {
-                if index >= next && index < lowest && self.plane(index, offset).is_some() {
-                    lowest = index;
+                if index >= next
+                    && lowest.as_ref().is_none_or(|(found, _)| index < *found)
+                    && let Some(plane) = self.plane(index, offset)
+                {
+                    lowest = Some((index, plane));
                 }
                 false
             });
-            let Some(Plane { n, lacking }) = (if lowest == usize::MAX { None } else { self.plane(lowest, offset) })
-            else {
+            let Some((index, Plane { n, lacking })) = lowest else {
                 rounds += 1;
                 if rounds == 2 {
                     break;
@@ -110,7 +113,7 @@ impl<R: Real> Clearance<'_, R> {
                 next = 0;
                 continue;
             };
-            next = lowest + 1;
+            next = index + 1;
             let along = n.dot(ng);
             // Straight away from it where that adds to the surface's own offset; else within its plane, so that that stays.
             if along > R::Wide::from_f64(0.5) {

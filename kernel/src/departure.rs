@@ -67,10 +67,13 @@ impl<R: Real> Arrival<'_, R> {
         };
         let clears =
             const { matches!(E::ACCURACY.offset, RayOffset::Cleared) && E::EFFECTS.contains(Effects::TRIANGLES) };
+        if !clears {
+            return departure;
+        }
         // Rays that pass through a triangle are where it is: on the side of others that it lies on. (Those that pass
         // through a sphere are not looked after.)
         let seen_from = if same_side { Some(self.ray.origin) } else { scene.geometry().middle(hit.primitive) };
-        if clears && let Some(viewer) = seen_from {
+        if let Some(viewer) = seen_from {
             let error = error_box::<R>(point.p, point.p_error);
             let along = distance_error::<R>(hit.t);
             let clearance = Clearance { scene, point, viewer, ng, error, along };

@@ -90,6 +90,13 @@ pub fn triangle_point_error<R: Real>(terms: Vec3<R>, corners: &[Vec3<R>; 3]) -> 
     terms * gamma::<R>(7) + Vec3::<R>::splat(greater(greater(a, b), c) * gamma::<R>(3))
 }
 
+/// How far from its sphere the stable test may put a hit. It is off by at most 4u of the distance to the centre and of
+/// the radius together; this is that for distances of up to three radii.
+#[inline]
+pub(crate) fn stable_sphere_error<C: Real>(radius: C) -> C {
+    radius * gamma::<C>(16)
+}
+
 /// What two distances `t` of a ray of unit direction may be off by together: of two surfaces that lie closer together
 /// than that, either may be said to be the first.
 #[inline]

@@ -10,11 +10,13 @@ use crate::real::Real;
 use crate::shape::{Geometry, PreparedRay};
 
 /// Shows `see` every crossing of the ray with a primitive in `tmin < t <= tmax`, in an order that depends on the
-/// structure. From inside of a closed mesh of triangles that all have an area their number is odd, from outside it is even.
+/// structure. From inside of a closed mesh of triangles that all have an area their number is odd, from outside it is
+/// even.
 ///
 /// A sphere is crossed where the ray enters it and where it leaves. A point on an edge or a corner belongs to just one
 /// of the triangles that share it there, unlike in [`super::intersect`], where it belongs to each of them; so a ray that
-/// lies in the plane of a triangle does not cross it. (Not in kernels of [`TriangleTest::Fast`], which knows no owner.) Rays that are not valid ([`Ray::is_valid`]) cross nothing.
+/// lies in the plane of a triangle does not cross it. (Not in kernels of [`TriangleTest::Fast`], which knows no owner.)
+/// Rays that are not valid ([`Ray::is_valid`]) cross nothing.
 #[inline]
 pub fn crossings<R: Real, E: EffectSet>(
     geometry: &Geometry<'_, R>,

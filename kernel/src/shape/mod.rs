@@ -267,22 +267,18 @@ impl<'a, R: Real> Geometry<'a, R> {
     #[inline]
     pub(crate) fn cross<E: EffectSet>(&self, ray: &PreparedRay<R>, tmax: R, index: u32, see: &mut impl FnMut(Hit<R>)) {
         let at = index as usize;
-        // As a hit does, a crossing counts only in the primitive's own box: so no box around it can hide it.
-        let mut see_in_box = |own: Bounds<R>, found: Hit<R>| {
-            if let Some(near) = own.entry(ray, tmax) {
-                see(Hit { t: greater(found.t, near), ..found });
-            }
-        };
         match self.spheres.get(at) {
             Some(sphere) if const { E::EFFECTS.contains(Effects::SPHERES) } => {
                 for t in sphere.crossings::<E>(ray).into_iter().flatten().filter(|t| *t > ray.tmin && *t <= tmax) {
-                    see_in_box(sphere.bounds(), Hit { t, u: R::ZERO, v: R::ZERO, primitive: index });
+                    let found = Hit { t, u: R::ZERO, v: R::ZERO, primitive: index };
+                    in_box(sphere.bounds().entry(ray, tmax), found).into_iter().for_each(&mut *see);
                 }
             }
             None if const { E::EFFECTS.contains(Effects::TRIANGLES) } => {
                 let corners = self.corners(at - self.spheres.len());
-                if let Some((t, u, v)) = triangle::cross::<R, E>(&corners, ray, tmax) {
-                    see_in_box(triangle::bounds(&corners), Hit { t, u, v, primitive: index });
+                if let Some((t, u, v)) = triangle::test::<R, E, true>(&corners, ray, tmax) {
+                    let found = Hit { t, u, v, primitive: index };
+                    in_box(triangle::bounds(&corners).entry(ray, tmax), found).into_iter().for_each(see);
                 }
             }
             _ => {}
@@ -308,7 +304,7 @@ impl<'a, R: Real> Geometry<'a, R> {
     #[inline(always)]
     fn test_triangle<E: EffectSet>(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
         let corners = self.corners(index as usize - self.spheres.len());
-        if let Some((t, u, v)) = triangle::intersect_in::<R, E>(&corners, ray, best.t) {
+        if let Some((t, u, v)) = triangle::test::<R, E, false>(&corners, ray, best.t) {
             accept(triangle::bounds(&corners).entry(ray, best.t), Hit { t, u, v, primitive: index }, best);
         }
     }
@@ -319,11 +315,18 @@ const fn needs_boxes_of_spheres<R: Real, E: EffectSet>() -> bool {
     R::WIDE_IS_SELF || !E::ACCURACY.proves_boxes_of_spheres()
 }
 
-/// Makes a hit the best, if the ray enters the primitive's own box, at `near`, and the hit wins.
+/// A hit, if the ray enters the primitive's own box, at `near`, and no nearer than there: so no box around the primitive
+/// can hide it.
+#[inline(always)]
+fn in_box<R: Real>(near: Option<R>, found: Hit<R>) -> Option<Hit<R>> {
+    near.map(|near| Hit { t: greater(found.t, near), ..found })
+}
+
+/// Makes a hit in its own box the best, if it wins.
 #[inline(always)]
 fn accept<R: Real>(near: Option<R>, found: Hit<R>, best: &mut Hit<R>) {
-    if let Some(near) = near {
-        best.keep_closer(Hit { t: greater(found.t, near), ..found });
+    if let Some(found) = in_box(near, found) {
+        best.keep_closer(found);
     }
 }
 

@@ -5,7 +5,7 @@ use crate::accuracy::SphereTest;
 use crate::bvh::Bounds;
 use crate::effects::{EffectSet, Everything};
 use crate::real::{Real, Vec3, Vector, WideVec3, narrow, widen};
-use crate::robust::{gamma, normalize_wide};
+use crate::robust::{gamma, normalize_wide, stable_sphere_error};
 
 /// A sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,7 +130,7 @@ fn roots<C: Real>(
     // Behind an origin outside of the sphere, or not inside by more than its error: where two walls meet, a ray that
     // leaves one must not start behind the other. Which of them was met first this test decided, with roundings of the
     // size of the sphere itself.
-    let own = if stable && error > C::ZERO { radius * gamma::<C>(16) } else { C::ZERO };
+    let own = if stable && error > C::ZERO { stable_sphere_error(radius) } else { C::ZERO };
     let doubtful = radius * (error + error + own);
     if along < C::ZERO && to_center.dot(to_center) + doubtful > radius_square {
         return None;

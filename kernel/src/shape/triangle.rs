@@ -84,28 +84,13 @@ pub fn bounds<R: Real>(corners: &[Vec3<R>; 3]) -> Bounds<R> {
 /// Both sides count, edges and corners count. Triangles without area and with NaN corners do not.
 #[inline]
 pub fn intersect<R: Real>(corners: &[Vec3<R>; 3], ray: &PreparedRay<R>, tmax: R) -> Option<(R, R, R)> {
-    intersect_in::<R, Everything>(corners, ray, tmax)
+    test::<R, Everything, false>(corners, ray, tmax)
 }
 
-/// [`intersect`] as accurately as a kernel asks.
+/// [`intersect`] as accurately as a kernel asks. With `ONCE`, in kernels of watertight triangles, each point of an edge or
+/// a corner belongs to one of the triangles that share it.
 #[inline(always)]
-pub(super) fn intersect_in<R: Real, E: EffectSet>(
-    corners: &[Vec3<R>; 3],
-    ray: &PreparedRay<R>,
-    tmax: R,
-) -> Option<(R, R, R)> {
-    test::<R, E, false>(corners, ray, tmax)
-}
-
-/// [`intersect`] where each point of an edge or a corner belongs to one of the triangles that share it. For kernels of
-/// watertight triangles.
-#[inline(always)]
-pub(super) fn cross<R: Real, E: EffectSet>(corners: &[Vec3<R>; 3], ray: &PreparedRay<R>, tmax: R) -> Option<(R, R, R)> {
-    test::<R, E, true>(corners, ray, tmax)
-}
-
-#[inline(always)]
-fn test<R: Real, E: EffectSet, const ONCE: bool>(
+pub(super) fn test<R: Real, E: EffectSet, const ONCE: bool>(
     corners: &[Vec3<R>; 3],
     ray: &PreparedRay<R>,
     tmax: R,
