@@ -20,7 +20,7 @@ const fn case(number: &'static str, what: &'static str, tests: &'static [&'stati
     Case { number, what, tests, open }
 }
 
-const SLABS: &[&str] = &["bvh::slabs_never_miss_what_exact_rays_meet"];
+const SLABS: &[&str] = &["slabs::slabs_never_miss_what_exact_rays_meet"];
 const SPHERES: &[&str] = &["intersections::spheres_agree_with_exact_arithmetic"];
 
 const CASES: &[Case] = &[

@@ -5,12 +5,11 @@ use ocellus_kernel::real::Real;
 use ocellus_kernel::shape::Sphere;
 use ocellus_kernel::{Hit, Ray, Scene};
 
-use crate::intersections::one_material;
 use crate::support::in_both_precisions;
 use crate::support::meshes::cube;
 use crate::support::random::Random;
 use crate::support::rays::{closed_meshes, ray_at_mesh};
-use crate::support::scene::{STRUCTURES, corners, ray, v};
+use crate::support::scene::{STRUCTURES, corners, one_material, ray, v};
 use crate::support::trials::{Trials, trials};
 
 in_both_precisions!(

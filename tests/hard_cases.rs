@@ -8,14 +8,13 @@ use ocellus_kernel::real::{Real, Vec3, Vector};
 use ocellus_kernel::shape::{PreparedRay, Sphere};
 use ocellus_kernel::{Ray, Scene};
 
-use crate::bvh::meets;
-use crate::intersections::one_material;
-use crate::support::exact::{ExactVec, exact, root, to_f64};
+use crate::slabs::meets;
+use crate::support::exact::{ExactVec, exact, to_f64};
 use crate::support::in_both_precisions;
 use crate::support::meshes::{Mesh, cube, floor, icosphere};
 use crate::support::random::Random;
-use crate::support::rays::{magnitude, sphere_case};
-use crate::support::scene::{corners, ray, v};
+use crate::support::rays::{SphereTruth, magnitude, place_of_triangle, sphere_case, sphere_truth};
+use crate::support::scene::{corners, one_material, ray, v};
 use crate::support::tolerance::{self, u};
 use crate::support::trials::{Trials, trials};
 
@@ -151,17 +150,6 @@ fn rays_that_are_no_rays_end_at_once<R: Real>() {
     });
 }
 
-/// A ray from near the middle of a closed mesh at a corner, an edge or a face of its triangle `at`.
-fn ray_at<R: Real>(random: &mut Random, origin: Vec3<R>, [a, b, c]: [Vec3<R>; 3]) -> Ray<R> {
-    let w = random.barycentric().map(R::from_f64);
-    let target = match random.below(3) {
-        0 => a,
-        1 => a + (b - a) * w[0],
-        _ => a * w[0] + b * w[1] + c * w[2],
-    };
-    Ray::new(origin, target - origin)
-}
-
 /// N14. Before each triangle of a closed mesh lies one that is none: it is never hit, and its neighbours still close
 /// the mesh. Coordinates are so short that the middle of an edge is exactly on it.
 fn degenerate_triangles_between_others_open_no_gap<R: Real>() {
@@ -194,10 +182,11 @@ fn degenerate_triangles_between_others_open_no_gap<R: Real>() {
         scene.mesh(&mesh, 0);
         let hits = Trials::of::<R>("N14", &format!("closed mesh, each triangle beside one of {class}"));
         let mut shoot = |scene: &Scene<'_, R>, rays: u32| {
-            for _ in 0..rays {
+            for i in 0..rays {
                 let origin = v::<R>(random.in_cube().map(|x| 0.25 * x));
                 let sound = 2 * random.below(closed.triangles.len()) + 1;
-                let ray = ray_at::<R>(&mut random, origin, corners(scene.geometry(), sound));
+                let target = place_of_triangle::<R>(&mut random, i, corners(scene.geometry(), sound));
+                let ray = Ray::new(origin, target - origin);
                 let hit = scene.intersect(&ray);
                 hits.holds(hit.is_some_and(|hit| hit.primitive % 2 == 1), || format!("{ray:?}: {hit:?}"));
             }
@@ -250,26 +239,9 @@ fn spheres_at_extreme_scales_agree_with_exact_arithmetic<R: Real>() {
             let hits = [None, Some(Structure::Bvh)].map(|s| scene.lend(s, |scene| scene.intersect(&ray)));
             let words = || format!("{ray:?} at {center:?} {radius:?}: {hits:?}");
 
-            let [c, o, d] = [center, ray.origin, ray.direction].map(ExactVec::new::<R>);
-            let (r, square) = (exact(radius.to_f64()), d.dot(&d));
-            let to_center = &c - &o;
-            let t_foot = to_center.dot(&d) / &square;
-            let foot = (&to_center - &(&d * &t_foot)).length();
-            let half = root(&((&r - &foot) * (&r + &foot) / &square));
-            let [near, far] = [&t_foot - &half, &t_foot + &half].map(|t| to_f64(&t));
-            // In radii, so that none of these overflows.
-            let [distance, l] = [to_center.length(), foot].map(|x| to_f64(&(x / &r)));
-            let h = to_f64(&(&half * root(&square) / &r));
-            let margin = tolerance::UNDECIDED * u::<R>() * (distance + 1.0);
-            if (l - 1.0).abs() <= margin || (distance - 1.0).abs() <= margin {
-                continue;
-            }
-            let truth = if l > 1.0 || far <= 0.0 { None } else { Some(if near > 0.0 { near } else { far }) };
+            let Some(SphereTruth { t: truth, condition }) = sphere_truth(center, radius, &ray) else { continue };
             right.holds(hits[0] == hits[1] && hits[0].is_some() == truth.is_some(), words);
             let (Some(hit), Some(truth)) = (hits[0], truth) else { continue };
-            let cancelled = if truth <= near.abs().min(far.abs()) { distance / (distance - 1.0).abs() } else { 0.0 };
-            let in_radii = to_f64(&(&r / root(&square)));
-            let condition = truth * (1.0 + cancelled) + distance * l / h * in_radii;
             let bound = tolerance::SPHERE_T * u::<R::Wide>() * condition
                 + tolerance::by_precision::<R>(tolerance::ROUNDED, 0.0) * u::<R>() * truth;
             errors.error((hit.t.to_f64() - truth).abs() / bound, words);
@@ -296,10 +268,11 @@ fn moved_meshes_are_hit_alike<R: Real>() {
             let mut moved = one_material::<R>();
             moved.mesh(&mesh.clone().map(|p| std::array::from_fn(|i| p[i] + shift[i])), 0);
             let unit = 2.0 * u::<R>() * libm::ldexp(2.0, k);
-            for _ in 0..trials(17_000) / 17 {
+            for i in 0..trials(17_000) / 17 {
                 let origin = random.in_cube().map(|x| grid.map_or(0.25 * x, |grid| (0.25 * x * grid).round() / grid));
                 let at = random.below(mesh.triangles.len());
-                let ray = ray_at::<R>(&mut random, v::<R>(origin), corners(&still.geometry(), at));
+                let target = place_of_triangle::<R>(&mut random, i, corners(&still.geometry(), at));
+                let ray = Ray::new(v::<R>(origin), target - v::<R>(origin));
                 let there = Ray { origin: v::<R>(std::array::from_fn(|i| origin[i] + shift[i])), ..ray };
                 let [here, found] = [(&still, &ray), (&moved, &there)]
                     .map(|(scene, ray)| scene.lend(None, |scene| scene.intersect(ray)));

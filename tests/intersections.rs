@@ -10,12 +10,12 @@ use ocellus_kernel::{Hit, Ray, Scene};
 
 use crate::support::exact::{ExactVec, exact, to_f64};
 use crate::support::in_both_precisions;
-use crate::support::meshes::{Mesh, cube};
+use crate::support::meshes::cube;
 use crate::support::random::Random;
 use crate::support::rays::{
     SphereTruth, box_case, closed_meshes, ray_at_mesh, sphere_case, sphere_truth, triangle_case, triangle_truth,
 };
-use crate::support::scene::{OwnedScene, corners, v};
+use crate::support::scene::{OwnedScene, corners, one_material, one_triangle, v};
 use crate::support::tolerance::{self, u};
 use crate::support::trials::{Trials, trials};
 
@@ -70,15 +70,10 @@ fn spheres_agree_with_exact_arithmetic<R: Real>() {
         let point = scene.lend(None, |scene| scene.surface_point(&ray, &hit).expect("a hit of this scene"));
         let off = (&ExactVec::new::<R>(point.p) - &ExactVec::new::<R>(center)).length() - exact(radius.to_f64());
         let bound = ExactVec::new::<R>(point.ng.abs()).dot(&ExactVec::new::<R>(point.p_error));
-        assert!(to_f64(&off).abs() <= to_f64(&bound), "{point:?} is {} off {center:?} {radius:?}", to_f64(&off));
+        let off = to_f64(&off).abs();
+        assert!(off <= to_f64(&bound), "{point:?} is {off} off {center:?} {radius:?}");
     }
     classes.into_iter().for_each(|errors| errors.end(300));
-}
-
-pub(crate) fn one_material<R: Real>() -> OwnedScene<R> {
-    let mut scene = OwnedScene::default();
-    scene.diffuse(0.5, 0.0);
-    scene
 }
 
 /// Hits and misses are right beyond a few ulps of the edges; t is near the plane's; the barycentric coordinates name
@@ -118,15 +113,8 @@ fn triangles_agree_with_exact_arithmetic<R: Real>() {
     along.end(10_000);
 }
 
-fn scene_of<R: Real>(corners: [Vec3<R>; 3]) -> OwnedScene<R> {
-    let mut scene = one_material::<R>();
-    scene.mesh(&Mesh { positions: vec![], triangles: vec![[0, 1, 2]] }, 0);
-    scene.positions = corners.to_vec();
-    scene
-}
-
 fn intersect_alone<R: Real>(corners: [Vec3<R>; 3], ray: &Ray<R>) -> Option<Hit<R>> {
-    scene_of(corners).lend(None, |scene| scene.intersect(ray))
+    one_triangle(corners).lend(None, |scene| scene.intersect(ray))
 }
 
 /// The bound that spawned rays rely on, across the plane.
@@ -137,7 +125,7 @@ fn triangle_points_lie_within_their_error_bound<R: Real>() {
         let (corners, origin, direction) = triangle_case(&mut random);
         let corners = corners.map(v::<R>);
         let ray = Ray::<R>::new(v::<R>(origin), v::<R>(direction));
-        scene_of(corners).lend(None, |scene| {
+        one_triangle(corners).lend(None, |scene| {
             let Some(hit) = scene.intersect(&ray) else { return };
             let point = scene.surface_point(&ray, &hit).expect("a hit of this scene");
             let [a, b, c] = corners.map(ExactVec::new::<R>);

@@ -4,11 +4,10 @@
 use ocellus_kernel::Ray;
 use ocellus_kernel::real::{Real, Vec3};
 
-use crate::intersections::one_material;
 use crate::support::exact::{ExactVec, exact};
 use crate::support::in_both_precisions;
 use crate::support::meshes::Mesh;
-use crate::support::scene::{STRUCTURES, v};
+use crate::support::scene::{STRUCTURES, one_material, v};
 use crate::support::trials::Trials;
 
 in_both_precisions!(kept_rays_hit_and_miss_as_they_should);

@@ -11,6 +11,9 @@ mod camera;
 /// Hits against exact arithmetic; closed meshes that must not leak.
 mod intersections;
 
+/// Boxes against exact arithmetic.
+mod slabs;
+
 /// All that a ray crosses, each surface once.
 mod crossings;
 

@@ -8,7 +8,11 @@
 //! Without an argument all of them run. `instructions` needs valgrind. With `--profile unoptimised` the program is
 //! built without optimisation.
 
+#[path = "support/callgrind.rs"]
+mod callgrind;
+
 use std::error::Error;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
@@ -173,21 +177,10 @@ fn instructions() -> Outcome {
 /// Instructions of a render by callgrind, the kernel it used and its picture's hash.
 fn count(scene: &Path, effects: &str) -> Result<(u64, String, Value), Box<dyn Error>> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let output = Command::new("valgrind")
-        .arg("--tool=callgrind")
-        .arg(format!("--callgrind-out-file={}", folder.join("callgrind.out").display()))
-        .arg(PROGRAM)
-        .args(["render", "--json", "--threads", "1", "--size", "32x32", "--spp", "4", "--effects", effects, "-o"])
-        .arg(folder.join("bench.exr"))
-        .arg(scene)
-        .output()
-        .map_err(|error| format!("valgrind: {error}; install it"))?;
-    let text = String::from_utf8_lossy(&output.stderr);
-    let counted = text
-        .lines()
-        .find_map(|line| line.split_once("Collected :"))
-        .and_then(|(_, count)| count.trim().parse().ok())
-        .ok_or_else(|| format!("callgrind printed no count: {text}"))?;
-    let report: Value = serde_json::from_slice(&output.stdout)?;
+    let picture = folder.join("bench.exr");
+    let render = ["render", "--json", "--threads", "1", "--size", "32x32", "--spp", "4", "--effects", effects, "-o"];
+    let arguments = render.into_iter().map(OsStr::new).chain([picture.as_os_str(), scene.as_os_str()]);
+    let (counted, output) = callgrind::count(PROGRAM, arguments)?;
+    let report: Value = serde_json::from_slice(&output)?;
     Ok((counted, report["kernel"].as_str().unwrap_or_default().to_owned(), report["image_hash"].clone()))
 }

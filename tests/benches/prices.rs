@@ -8,7 +8,10 @@
 #[path = "../support/mod.rs"]
 mod support;
 
-use std::process::{Command, ExitCode};
+#[path = "../../host/benches/support/callgrind.rs"]
+mod callgrind;
+
+use std::process::ExitCode;
 
 use ocellus::accuracy::describe;
 use ocellus::description::{FresnelDescription, SceneDescription};
@@ -17,7 +20,7 @@ use ocellus::render::{Precision, RenderSettings, Rendering, Unmonitored, render}
 use ocellus_kernel::{Accuracy, Real};
 
 use support::losses::{Row, rows};
-use support::pictures::figure;
+use support::pictures::{PRECISIONS, figure};
 
 const SCENES: [&str; 2] = ["fig5c", "fig4"];
 /// Pairs of renders for each ratio of times.
@@ -65,17 +68,14 @@ fn main() -> ExitCode {
             .find(|(name, _)| name == option)
             .map_or_else(|| if option == "robust" { ROBUST } else { panic!("no option {option}") }, |(_, it)| it);
         let samples = samples.parse().expect("a number of samples");
-        choice.render(&figure(scene, 32), precision_of(precision), samples);
+        let precision = PRECISIONS.into_iter().find(|known| known.to_string() == *precision).expect("a precision");
+        choice.render(&figure(scene, 32), precision, samples);
         return ExitCode::SUCCESS;
     }
     println!("ratios to the robust kernel of the same precision, on one thread; less than 1 is cheaper");
     print_table::<f32>(Precision::F32);
     print_table::<f64>(Precision::F64);
     ExitCode::SUCCESS
-}
-
-fn precision_of(name: &str) -> Precision {
-    if name == "f64" { Precision::F64 } else { Precision::F32 }
 }
 
 fn print_table<R: Real>(precision: Precision) {
@@ -130,18 +130,10 @@ fn time(choice: Choice, scene: &str, precision: Precision) -> f64 {
 /// Instructions of four samples of each pixel, without those of setting up.
 fn instructions(option: &str, scene: &str, precision: Precision) -> f64 {
     let program = std::env::current_exe().expect("this program");
-    let folder = std::env::temp_dir();
     let [few, many] = [2, 6].map(|samples: u32| {
-        let output = Command::new("valgrind")
-            .arg("--tool=callgrind")
-            .arg(format!("--callgrind-out-file={}", folder.join("ocellus-prices.callgrind").display()))
-            .arg(&program)
-            .args([option, scene, &precision.to_string(), &samples.to_string()])
-            .output()
-            .expect("valgrind");
-        let text = String::from_utf8_lossy(&output.stderr);
-        let counted = text.lines().find_map(|line| line.split_once("Collected :"));
-        counted.and_then(|(_, count)| count.trim().parse::<f64>().ok()).unwrap_or_else(|| panic!("no count: {text}"))
+        let arguments = [option, scene, &precision.to_string(), &samples.to_string()];
+        let (count, _) = callgrind::count(&program, arguments).unwrap_or_else(|error| panic!("{error}"));
+        count as f64
     });
     many - few
 }

@@ -8,17 +8,17 @@ use ocellus_kernel::accuracy::RayOffset;
 use ocellus_kernel::bvh::Structure;
 use ocellus_kernel::material::fresnel::{Fresnel, Interface, reflectance};
 use ocellus_kernel::path::{PathOptions, radiance};
-use ocellus_kernel::real::{Real, Vec3, Vector};
+use ocellus_kernel::real::{Real, Vector};
 use ocellus_kernel::sampler::AddressedSampler;
 use ocellus_kernel::shape::Sphere;
 use ocellus_kernel::{Accuracy, EffectSet, Effects, Everything, Ray};
 
-use super::meshes::{Mesh, cube};
+use super::meshes::cube;
 use super::random::Random;
 use super::rays::{
     box_case, closed_meshes, magnitude, ray_at_mesh, sphere_case, sphere_truth, triangle_case, triangle_truth,
 };
-use super::scene::{OwnedScene, corners, v};
+use super::scene::{OwnedScene, corners, one_material, one_triangle, v};
 use super::tolerance::{self, u};
 use super::wedge::{WEDGES, direct_light, wedge};
 
@@ -99,12 +99,6 @@ pub(crate) fn rows<R: Real>() -> Vec<Row> {
     ]
 }
 
-fn one_material<R: Real>() -> OwnedScene<R> {
-    let mut scene = OwnedScene::default();
-    scene.diffuse(1.0, 0.0);
-    scene
-}
-
 /// N9. Rays from inside of closed meshes that meet nothing.
 fn mesh_leaks<R: Real, E: EffectSet>(count: u32) -> Loss {
     let mut loss = Loss::default();
@@ -124,13 +118,6 @@ fn mesh_leaks<R: Real, E: EffectSet>(count: u32) -> Loss {
     loss
 }
 
-fn triangle_scene<R: Real>(corners: [Vec3<R>; 3]) -> OwnedScene<R> {
-    let mut scene = one_material::<R>();
-    scene.mesh(&Mesh { positions: vec![], triangles: vec![[0, 1, 2]] }, 0);
-    scene.positions = corners.to_vec();
-    scene
-}
-
 /// N13. The error of t of one triangle, and clear hits and misses that are taken for the other.
 fn triangle_errors<R: Real, E: EffectSet>(count: u32) -> Loss {
     let mut random = Random::new(12);
@@ -141,7 +128,7 @@ fn triangle_errors<R: Real, E: EffectSet>(count: u32) -> Loss {
         let corners = corners.map(v::<R>);
         let ray = Ray::<R>::new(v::<R>(origin), v::<R>(direction));
         let Some(truth) = triangle_truth(&corners, &ray) else { continue };
-        let hit = triangle_scene(corners).lend(None, |scene| scene.intersect_in::<E>(&ray));
+        let hit = one_triangle(corners).lend(None, |scene| scene.intersect_in::<E>(&ray));
         let lost = hit.is_none() && truth.inside > tolerance::TRIANGLE_EDGE && !truth.behind;
         let made_up = hit.is_some() && (truth.inside < -tolerance::TRIANGLE_EDGE || truth.behind);
         loss.holds(!lost && !made_up);
@@ -160,7 +147,7 @@ fn box_losses<R: Real, E: EffectSet>(count: u32) -> Loss {
         let (corners, ray) = box_case::<R>(&mut random, case);
         let prepared = ocellus_kernel::shape::PreparedRay::new(&ray);
         if ocellus_kernel::shape::triangle::intersect(&corners, &prepared, ray.tmax).is_some() {
-            loss.holds(triangle_scene(corners).lend(None, |scene| scene.intersect_in::<E>(&ray).is_some()));
+            loss.holds(one_triangle(corners).lend(None, |scene| scene.intersect_in::<E>(&ray).is_some()));
         }
     }
     loss
@@ -211,7 +198,7 @@ fn one_bounce<R: Real, E: EffectSet>(scene: &mut OwnedScene<R>, ray: Ray<R>, sam
     scene.lend(None, |scene| radiance::<R, E>(scene, &options, ray, &mut numbers).radiance.x().to_f64())
 }
 
-/// N21. Paths of one bounce off a white triangle of any size, which see the background or else the triangle again.
+/// N21. Paths of one bounce off a grey triangle of any size, which see the background or else the triangle again.
 fn self_hits<R: Real, E: EffectSet>(count: u32) -> Loss {
     let mut random = Random::new(21);
     let mut loss = Loss::default();
@@ -223,9 +210,7 @@ fn self_hits<R: Real, E: EffectSet>(count: u32) -> Loss {
             let offset = random.in_cube();
             std::array::from_fn(|i| center[i] + size * offset[i])
         });
-        let mut scene = triangle_scene(positions.map(v::<R>));
-        let grey = scene.diffuse(0.5, 0.0);
-        scene.attributes[0].material = grey;
+        let mut scene = one_triangle(positions.map(v::<R>));
         let weights = random.barycentric();
         let target: [f64; 3] = std::array::from_fn(|i| (0..3).map(|k| positions[k][i] * weights[k]).sum());
         let toward = random.on_sphere();

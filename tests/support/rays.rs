@@ -163,7 +163,7 @@ pub(crate) fn triangle_truth<R: Real>(corners: &[Vec3<R>; 3], ray: &Ray<R>) -> O
     });
     let inside = edges.into_iter().fold(f64::INFINITY, f64::min) / unit;
     let steepness = &steep / n.length();
-    Some(TriangleTruth { inside, behind: to_f64(&t) <= 0.0, unit, t, steepness })
+    Some(TriangleTruth { inside, behind: t <= exact(0.0), unit, t, steepness })
 }
 
 /// Meshes whose neighbourhood of the centre stays inside whatever the rounding of their corners.
@@ -192,6 +192,16 @@ pub(crate) fn closed_meshes() -> Vec<(&'static str, Mesh, [f64; 3], f64)> {
     ]
 }
 
+/// By `i`, in turn: a corner of a triangle, a point of an edge, one of its face.
+pub(crate) fn place_of_triangle<R: Real>(random: &mut Random, i: u32, [a, b, c]: [Vec3<R>; 3]) -> Vec3<R> {
+    let w = random.barycentric().map(R::from_f64);
+    match i % 3 {
+        0 => a,
+        1 => a + (b - a) * w[0],
+        _ => a * w[0] + b * w[1] + c * w[2],
+    }
+}
+
 /// Ray number `i` from near the middle of such a mesh at a corner, an edge or a face, every other one normalized.
 pub(crate) fn ray_at_mesh<R: Real>(
     random: &mut Random,
@@ -203,14 +213,8 @@ pub(crate) fn ray_at_mesh<R: Real>(
 ) -> Ray<R> {
     let origin = random.in_cube();
     let origin = vec3_from_f64::<R>(std::array::from_fn(|k| center[k] + 0.5 * radius * origin[k]));
-    let [a, b, c] = corners(random.below(triangles));
-    let w = random.barycentric().map(R::from_f64);
-    let target = match i % 3 {
-        0 => a,
-        1 => a + (b - a) * w[0],
-        _ => a * w[0] + b * w[1] + c * w[2],
-    };
-    let direction = target - origin;
+    let of = corners(random.below(triangles));
+    let direction = place_of_triangle::<R>(random, i, of) - origin;
     Ray::new(origin, if i.is_multiple_of(2) { normalize::<R>(direction) } else { direction })
 }
 

@@ -121,6 +121,21 @@ impl<R: Real> OwnedScene<R> {
     }
 }
 
+/// A scene with nothing in it but one grey material, number 0.
+pub(crate) fn one_material<R: Real>() -> OwnedScene<R> {
+    let mut scene = OwnedScene::default();
+    scene.diffuse(0.5, 0.0);
+    scene
+}
+
+/// A scene of one grey triangle.
+pub(crate) fn one_triangle<R: Real>(corners: [Vec3<R>; 3]) -> OwnedScene<R> {
+    let mut scene = one_material::<R>();
+    scene.mesh(&Mesh { positions: vec![], triangles: vec![[0, 1, 2]] }, 0);
+    scene.positions = corners.to_vec();
+    scene
+}
+
 /// Boxed slices for a hierarchy.
 pub(crate) struct Room<R: Real> {
     pub(crate) nodes: Vec<Node<R>>,
