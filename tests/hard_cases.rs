@@ -9,7 +9,7 @@ use ocellus_kernel::shape::{PreparedRay, Sphere};
 use ocellus_kernel::{Ray, Scene};
 
 use crate::slabs::meets;
-use crate::support::exact::{ExactVec, exact, to_f64};
+use crate::support::exact::{ExactVec, exact, roughly};
 use crate::support::in_both_precisions;
 use crate::support::meshes::{Mesh, cube, floor, icosphere};
 use crate::support::random::Random;
@@ -214,7 +214,7 @@ fn rays_from_the_centre_of_a_sphere_go_one_radius<R: Real>() {
         for structure in [None, Some(Structure::Bvh)] {
             let t = scene.lend(structure, |scene| scene.intersect(&ray)).map_or(f64::NAN, |hit| hit.t.to_f64());
             // A NaN is no exact number, and fails as an infinite error does.
-            let error = if t.is_finite() { to_f64(&(exact(t) / &truth - exact(1.0))).abs() } else { f64::NAN };
+            let error = if t.is_finite() { roughly(&(exact(t) / &truth - exact(1.0))).abs() } else { f64::NAN };
             errors.error(error / u::<R>(), || format!("{ray:?}, radius {radius:?}: {t}"));
         }
     }
@@ -303,7 +303,7 @@ fn edge_distance<R: Real>(ray: &Ray<R>, corners: [Vec3<R>; 3]) -> f64 {
     let [a, b, c] = corners.map(ExactVec::new::<R>);
     let distances = [(&a, &b), (&b, &c), (&c, &a)].map(|(p, q)| {
         let common = d.cross(&(q - p));
-        to_f64(&((p - &o).dot(&common) / common.length())).abs()
+        roughly(&((p - &o).dot(&common) / common.length())).abs()
     });
     distances.into_iter().fold(f64::INFINITY, f64::min)
 }

@@ -13,7 +13,7 @@ use ocellus_kernel::sampler::AddressedSampler;
 use ocellus_kernel::surface::SurfacePoint;
 use ocellus_kernel::{Everything, Ray};
 
-use crate::support::exact::{Exact, ExactVec, exact, root, to_f64};
+use crate::support::exact::{Exact, ExactVec, exact, root, roughly, to_f64};
 use crate::support::in_both_precisions;
 use crate::support::meshes::{cube, floor, icosphere};
 use crate::support::random::Random;
@@ -49,10 +49,10 @@ fn a_chain_of_mirrors_does_not_drift<R: Real>() {
             let wi = mirror::sample(wo, &point(wo, n).toward_viewer::<Everything>(), &white).wi;
             let words = || format!("{wo:?} at {n:?}: {wi:?}");
             let [i, unit, r] = [wo, n, wi].map(ExactVec::new::<R>);
-            lengths.error(to_f64(&(r.length() - exact(1.0))).abs() / u::<R>(), words);
+            lengths.error(roughly(&(r.length() - exact(1.0))).abs() / u::<R>(), words);
             // Of the directions alone: what is wrong with their lengths was counted.
             let [i, unit, r] = [i, unit, r].map(|v| v.unit());
-            angles.error(to_f64(&(r.dot(&unit) - i.dot(&unit))).abs() / u::<R>(), words);
+            angles.error(roughly(&(r.dot(&unit) - i.dot(&unit))).abs() / u::<R>(), words);
             wo = -wi;
         }
     }
@@ -107,7 +107,7 @@ fn snell<R: Real>(wo: &ExactVec, n: &ExactVec, [ior_i, ior_t]: [R; 2]) -> (Exact
 
 /// The angle between directions that hardly differ.
 fn angle(a: &ExactVec, b: &ExactVec) -> f64 {
-    if a.dot(b) > exact(0.0) { to_f64(&(a.cross(b).length() / (a.length() * b.length()))) } else { PI }
+    if a.dot(b) > exact(0.0) { roughly(&(a.cross(b).length() / (a.length() * b.length()))) } else { PI }
 }
 
 /// Indices of refraction in front and behind, and an angle of arrival.
@@ -164,17 +164,17 @@ fn refraction_agrees_with_exact_arithmetic<R: Real>() {
             let (truth, square) = snell::<R>(&i, &normal, iors);
             let cosines = [&i, &t].map(|w| to_f64(&(w.dot(&normal.unit()))));
             // A ray along the surface has no side.
-            if to_f64(&square).abs() <= tolerance::UNDECIDED * u::<R>() || (cosines[0] > 0.0) != front {
+            if roughly(&square).abs() <= tolerance::UNDECIDED * u::<R>() || (cosines[0] > 0.0) != front {
                 continue;
             }
             let words = || format!("{wo:?} at {n:?}, {iors:?}: {wi:?}, cosines {cosines:?}");
             let refracted = (cosines[0] > 0.0) != (cosines[1] > 0.0);
             decisions.holds(refracted == (square > exact(0.0)), words);
-            lengths.error(to_f64(&(t.length() - exact(1.0))).abs() / u::<R>(), words);
+            lengths.error(roughly(&(t.length() - exact(1.0))).abs() / u::<R>(), words);
             if !refracted || square <= exact(0.0) {
                 continue;
             }
-            angles.error(angle(&t, &truth) * to_f64(&root(&square)) / u::<R>(), words);
+            angles.error(angle(&t, &truth) * roughly(&root(&square)) / u::<R>(), words);
 
             let [cos_i, cos_t] = cosines.map(|cosine| R::from_f64(cosine.abs().min(1.0)));
             let there = Interface { cos_i, cos_t, ior_i: iors[0], ior_t: iors[1] };
@@ -185,7 +185,7 @@ fn refraction_agrees_with_exact_arithmetic<R: Real>() {
             }
 
             // Back again, where the rounding of the direction does not decide whether there is a way.
-            let reverse = to_f64(&snell::<R>(&t, &normal, [iors[1], iors[0]]).1);
+            let reverse = roughly(&snell::<R>(&t, &normal, [iors[1], iors[0]]).1);
             if reverse <= tolerance::UNDECIDED * u::<R>() {
                 continue;
             }

@@ -1,6 +1,7 @@
 //! What the test modules share: scenes, meshes, random numbers, statistics, exact arithmetic, tolerances.
 
 pub(crate) mod counting_allocator;
+pub(crate) mod double_double;
 pub(crate) mod exact;
 pub(crate) mod losses;
 pub(crate) mod meshes;
