@@ -11,6 +11,9 @@ mod camera;
 /// Hits against exact arithmetic; closed meshes that must not leak.
 mod intersections;
 
+/// Rays that leave surfaces among others.
+mod departures;
+
 /// Boxes against exact arithmetic.
 mod slabs;
 

@@ -4,8 +4,8 @@ use ocellus_kernel::Ray;
 use ocellus_kernel::real::{Real, Vec3, Vector, vec3_from_f64};
 use ocellus_kernel::robust::normalize;
 
-use super::exact::{Exact, ExactVec, exact, root, to_f64};
-use super::meshes::{Mesh, icosphere};
+use super::exact::{Exact, ExactVec, exact, root, roughly, to_f64};
+use super::meshes::{Mesh, cube, icosphere};
 use super::random::Random;
 use super::tolerance::{self, u};
 
@@ -132,12 +132,12 @@ pub(crate) struct TriangleTruth {
 impl TriangleTruth {
     /// How far from the plane the ray is at `t`, in u M.
     pub(crate) fn error<R: Real>(&self, t: R) -> f64 {
-        to_f64(&((exact(t.to_f64()) - &self.t) * &self.steepness)).abs() / self.unit
+        roughly(&((exact(t.to_f64()) - &self.t) * &self.steepness)).abs() / self.unit
     }
 
     /// A length in u M.
     pub(crate) fn in_units(&self, length: &Exact) -> f64 {
-        to_f64(length) / self.unit
+        roughly(length) / self.unit
     }
 }
 
@@ -158,7 +158,7 @@ pub(crate) fn triangle_truth<R: Real>(corners: &[Vec3<R>; 3], ray: &Ray<R>) -> O
         let edge = q - p;
         let common = d.cross(&edge);
         let moment = (p - &o).dot(&common);
-        let distance = to_f64(&(moment / common.length()));
+        let distance = roughly(&(moment / common.length()));
         if steep > exact(0.0) { -distance } else { distance }
     });
     let inside = edges.into_iter().fold(f64::INFINITY, f64::min) / unit;
@@ -218,17 +218,57 @@ pub(crate) fn ray_at_mesh<R: Real>(
     Ray::new(origin, if i.is_multiple_of(2) { normalize::<R>(direction) } else { direction })
 }
 
-/// Triangle number `case` of any size, half of them flat, and a ray at a corner or an edge of it, where its box may end.
-pub(crate) fn box_case<R: Real>(random: &mut Random, case: u32) -> ([Vec3<R>; 3], Ray<R>) {
-    let scale = magnitude(random, -3.0, 5.0);
+/// A closed box of any size anywhere, so thin that it is 64 to a million ulps of its largest coordinate thick, but no
+/// thicker than wide. Each face is a grid of `n` by `n` squares.
+pub(crate) fn flat_box<R: Real>(random: &mut Random, n: u32) -> Mesh {
+    let size = magnitude(random, -4.0, 6.0);
+    let far = if random.below(2) == 0 { 0.0 } else { size * magnitude(random, 0.0, 5.0) };
+    let center = random.in_cube().map(|x| x * far);
+    let largest = R::from_f64(center.iter().map(|x| x.abs()).fold(0.0, f64::max) + size);
+    let ulp = (largest.next_up() - largest).to_f64();
+    // Each side may be rounded towards the other by half an ulp.
+    let thickness = (65.0 * magnitude(random, 0.0, 4.2) * ulp).min(2.0 * size);
+    let axis = random.below(3);
+    let half: [f64; 3] = std::array::from_fn(|i| if i == axis { 0.5 * thickness } else { size });
+    let mesh = cube(n).map(|p| std::array::from_fn(|i| center[i] + half[i] * p[i]));
+    let along = mesh.positions.iter().map(|p| R::from_f64(p[axis]).to_f64());
+    let (low, high) = along.fold((f64::INFINITY, -f64::INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    assert!(high - low >= 64.0 * ulp, "{} ulps", (high - low) / ulp);
+    mesh
+}
+
+/// A ray in any direction from the middle half of the box around all `positions`.
+pub(crate) fn ray_in_box<R: Real>(random: &mut Random, positions: &[Vec3<R>]) -> Ray<R> {
+    let end = |pick: fn(f64, f64) -> f64| -> [f64; 3] {
+        let corners = positions.iter().map(|p| p.to_array().map(Real::to_f64));
+        corners.reduce(|a, b| std::array::from_fn(|i| pick(a[i], b[i]))).expect("a position")
+    };
+    let (low, high) = (end(f64::min), end(f64::max));
+    let origin = std::array::from_fn(|i| low[i] + (high[i] - low[i]) * random.between(0.25, 0.75));
+    Ray::new(vec3_from_f64::<R>(origin), normalize::<R>(vec3_from_f64::<R>(random.on_sphere())))
+}
+
+/// Triangle number `case` of a size, half of them flat.
+pub(crate) fn box_triangle<R: Real>(random: &mut Random, case: u32, scale: f64) -> [Vec3<R>; 3] {
     let mut corners: [[f64; 3]; 3] = std::array::from_fn(|_| random.in_cube().map(|x| x * scale));
     if case.is_multiple_of(2) {
         let axis = random.below(3);
         corners.iter_mut().for_each(|corner| corner[axis] = scale * 0.3);
     }
-    let corners = corners.map(vec3_from_f64::<R>);
+    corners.map(vec3_from_f64::<R>)
+}
+
+/// A ray at a corner or an edge of it, where its box may end.
+pub(crate) fn ray_at_box<R: Real>(random: &mut Random, case: u32, scale: f64, [a, b, _]: &[Vec3<R>; 3]) -> Ray<R> {
     let origin = vec3_from_f64::<R>(random.in_cube().map(|x| x * scale * 10.0));
     let weight = R::from_f64(random.unit());
-    let target = if case.is_multiple_of(3) { corners[0] } else { corners[0] + (corners[1] - corners[0]) * weight };
-    (corners, Ray::new(origin, target - origin))
+    let target = if case.is_multiple_of(3) { *a } else { *a + (*b - *a) * weight };
+    Ray::new(origin, target - origin)
+}
+
+/// Such a triangle of any size and a ray at it.
+pub(crate) fn box_case<R: Real>(random: &mut Random, case: u32) -> ([Vec3<R>; 3], Ray<R>) {
+    let scale = magnitude(random, -3.0, 5.0);
+    let corners = box_triangle::<R>(random, case, scale);
+    (corners, ray_at_box::<R>(random, case, scale, &corners))
 }

@@ -53,6 +53,11 @@ impl Trials {
         trials.end(1);
     }
 
+    /// How many there were so far.
+    pub(crate) fn count(&self) -> u64 {
+        self.count.get()
+    }
+
     /// One trial that succeeded or not.
     pub(crate) fn holds(&self, success: bool, words: impl FnOnce() -> String) {
         self.count.set(self.count.get() + 1);
