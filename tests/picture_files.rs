@@ -6,6 +6,7 @@ use ocellus::picture::Picture;
 
 use crate::support::random::Random;
 use crate::support::rays::magnitude;
+use crate::support::tolerance;
 use crate::support::trials::{Trials, trials};
 
 /// Every kind of float: any bits, and -0, denormal numbers, infinities and NaN among them.
@@ -39,7 +40,7 @@ fn codes_of_a_png_are_the_nearest() {
     let mut random = Random::new(45);
     let tone = ToneMap::new(0.0, None).expect("a tone map");
     let place = |x: f64| 255.0 * if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * libm::pow(x, 1.0 / 2.4) - 0.055 };
-    let near = Trials::measured::<f32>("N44", "codes of a PNG", 0.5 + 1e-6, "codes");
+    let near = Trials::measured::<f32>("N44", "codes of a PNG", tolerance::CODE, "codes");
     for _ in 0..trials(100_000) {
         let x = magnitude(&mut random, -6.0, 0.0) as f32;
         let code = tone.encode(x);

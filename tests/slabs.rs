@@ -47,7 +47,7 @@ fn slabs_never_miss_what_exact_rays_meet<R: Real>() {
     let places = (corner(), corner(), corner(), corner(), prop::array::uniform3(0u8..6), prop::array::uniform3(0u8..6));
     let tiny = if R::WIDE_IS_SELF { 1e-310 } else { 1e-40 };
     let (mut met, mut missed) = (std::cell::Cell::new(0), std::cell::Cell::new(0));
-    for_all(trials(30_000), (places, power_of_two(-20..20)), |((a, b, target, free, start, aim), scale)| {
+    for_all(5 * (trials(12_000) / 2), (places, power_of_two(-20..20)), |((a, b, target, free, start, aim), scale)| {
         let round = |x: f64| R::from_f64(x * scale).to_f64();
         let [low, high] = [f64::min, f64::max].map(|pick| std::array::from_fn(|i| round(pick(a[i], b[i]))));
         let origin: [f64; 3] = std::array::from_fn(|i| match start[i] {
@@ -79,7 +79,7 @@ fn slabs_never_miss_what_exact_rays_meet<R: Real>() {
         Ok(())
     });
     let (met, missed) = (*met.get_mut(), *missed.get_mut());
-    assert!(met > 5000 && missed > 1000, "{met} met, {missed} missed; unit {}", u::<R>());
+    assert!(met >= trials(12_000) && missed > 1000, "{met} met, {missed} missed; unit {}", u::<R>());
     for case in ["N1", "N2", "N3", "N4", "N5"] {
         Trials::passed::<R>(case, "boxes that exact rays meet: planes, edges, zeros, tiny components", met);
     }

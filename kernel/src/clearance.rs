@@ -7,17 +7,27 @@
 
 use crate::bvh::{Bounds, any_triangle_near};
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, narrow, widen};
-use crate::robust::triangle_point_error;
+use crate::robust::{ERRORS_BEYOND, triangle_point_error};
 use crate::scene::Scene;
 use crate::shape::triangle::normal;
 use crate::surface::SurfacePoint;
+
+// Every bound on an error comes from `robust`; the four numbers here are no bounds but limits of effort and of what
+// counts as what. Other values would be as right, and clear other corners.
 
 /// How many triangles are minded, one after the other: the corner of a room has two walls beside the surface's own, each
 /// perhaps cut into a few triangles that meet there.
 const TRIANGLES: usize = 16;
 
+/// How often all of them are gone through: what is moved off one plane may come nearer to another.
+const ROUNDS: u32 = 2;
+
 /// Square of the sine of the angle below which two planes count as one: 0.6 degrees.
 const PARALLEL: f64 = 1e-4;
+
+/// Cosine of the angle between two normals up to which an origin is moved off the other plane within its own: 60
+/// degrees. Closer to each other, straight off the other plane is also off the own one, and shorter.
+const ASIDE: f64 = 0.5;
 
 /// A plane near a point.
 struct Plane<R: Real> {
@@ -48,10 +58,10 @@ impl<R: Real> Clearance<'_, R> {
         any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), is_in_the_way)
     }
 
-    /// The box in which other triangles matter.
+    /// The box in which other triangles matter: no further than a point can be beyond them.
     #[inline(always)]
     fn place(&self) -> Bounds<R> {
-        let reach = (self.error + Vec3::<R>::splat(self.along)) * R::from_f64(2.0);
+        let reach = (self.error + Vec3::<R>::splat(self.along)) * R::from_f64(f64::from(ERRORS_BEYOND));
         let mut place = Bounds::EMPTY;
         place.grow(self.point.p - reach);
         place.grow(self.point.p + reach);
@@ -59,7 +69,7 @@ impl<R: Real> Clearance<'_, R> {
     }
 
     /// The plane of a triangle, if `offset` from the point is too near to it or beyond. `None` where the point itself is
-    /// beyond it by more than twice its error: then it has a right to be. None, too, for the surface's own plane, in which
+    /// beyond it by more than [`ERRORS_BEYOND`] times its error: then it has a right to be. None, too, for the surface's own plane, in which
     /// its neighbours lie and perhaps copies of it: nothing can be moved off that but by its own offset.
     #[inline(always)]
     fn plane(&self, index: usize, offset: WideVec3<R>) -> Option<Plane<R>> {
@@ -80,7 +90,8 @@ impl<R: Real> Clearance<'_, R> {
         let error = n.abs().dot(widen::<R>(larger::<R>(self.error, own))) + aside_square.sqrt() * self.along.widen();
         let least = error - height;
         let lacking = least - n.dot(offset);
-        let is_near = lacking > R::Wide::ZERO && least < error * R::Wide::from_f64(3.0);
+        // That is, its height is above so many errors below zero.
+        let is_near = lacking > R::Wide::ZERO && least < error * R::Wide::from_f64(f64::from(1 + ERRORS_BEYOND));
         let inverse_length = R::Wide::ONE / square.sqrt();
         is_near.then(|| Plane { n: n * inverse_length, lacking: lacking * inverse_length })
     }
@@ -91,8 +102,7 @@ impl<R: Real> Clearance<'_, R> {
     pub(crate) fn cleared(&self, offset: Vec3<R>) -> Vec3<R> {
         let ng = widen::<R>(self.ng);
         let mut offset = widen::<R>(offset);
-        // From the lowest triangle to the highest, whatever order they are found in; and once more, since what is moved
-        // off one plane may come nearer to another.
+        // From the lowest triangle to the highest, whatever order they are found in; and once more.
         let (mut next, mut rounds) = (0, 0);
         for _ in 0..TRIANGLES {
             let mut lowest: Option<(usize, Plane<R>)> = None;
@@ -107,7 +117,7 @@ impl<R: Real> Clearance<'_, R> {
             });
             let Some((index, Plane { n, lacking })) = lowest else {
                 rounds += 1;
-                if rounds == 2 {
+                if rounds == ROUNDS {
                     break;
                 }
                 next = 0;
@@ -116,7 +126,7 @@ impl<R: Real> Clearance<'_, R> {
             next = index + 1;
             let along = n.dot(ng);
             // Straight away from it where that adds to the surface's own offset; else within its plane, so that that stays.
-            if along > R::Wide::from_f64(0.5) {
+            if along > R::Wide::from_f64(ASIDE) {
                 offset = offset + n * lacking;
             } else {
                 let aside = n - ng * along;

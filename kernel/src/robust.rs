@@ -44,7 +44,8 @@ pub fn shadow_tmax<R: Real>() -> R {
     R::ONE - gamma::<R>(4) - gamma::<R>(4)
 }
 
-/// `v` at length 1, formed in the wide precision. The zero vector stays zero.
+/// `v` at length 1, formed in the wide precision. The zero vector stays zero. What is so short that the wide precision
+/// has its square only as a denormal number (1.5e-154, much shorter than any f32) loses digits.
 #[inline]
 pub fn normalize<R: Real>(v: Vec3<R>) -> Vec3<R> {
     narrow::<R>(normalize_wide::<R>(widen::<R>(v)))
@@ -96,6 +97,14 @@ pub fn triangle_point_error<R: Real>(terms: Vec3<R>, corners: &[Vec3<R>; 3]) -> 
 pub(crate) fn stable_sphere_error<C: Real>(radius: C) -> C {
     radius * gamma::<C>(16)
 }
+
+/// How many times the error of a point it may be beyond another surface that it belongs before.
+///
+/// Once for the point: it is within its error, at most [`error_box`] and [`distance_error`], of where the ray met its own
+/// surface. And once for the other surface: a ray that is said to hit one of two surfaces, and not the other one before
+/// it, tells them apart no better than by the error of a hit of the other, [`triangle_point_error`]; whoever uses this
+/// takes the larger of both errors. What is further beyond was rightly found to be there.
+pub(crate) const ERRORS_BEYOND: u32 = 2;
 
 /// What two distances `t` of a ray of unit direction may be off by together: of two surfaces that lie closer together
 /// than that, either may be said to be the first.

@@ -71,7 +71,7 @@ pub(crate) fn rows<R: Real>() -> Vec<Row> {
     // Four roundings of the problem itself in the kernel's own precision.
     let conditioned = Some((tolerance::by_precision::<R>(tolerance::ROUNDED, tolerance::SPHERE_T), "u cond"));
     let row = |option, class, limit, keeps, measure| Row { option, class, limit, keeps, measure };
-    let fresnel = Some((1e-7, ""));
+    let fresnel = Some((tolerance::reflected_share::<R>(), ""));
     vec![
         row("--triangle-test watertight", leaks, None, true, mesh_leaks::<R, Everything>),
         row("--triangle-test fast", leaks, None, false, mesh_leaks::<R, FastTriangles>),
