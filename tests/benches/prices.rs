@@ -1,8 +1,8 @@
 //! What accuracy costs: each choice alone, on the kernel that does everything, against the robust one.
 //!
 //! `cargo bench -p ocellus-tests --bench prices` prints a table for each precision: time and instructions as ratios to
-//! the robust kernel's, on spheres (figure 5c) and on a mesh (figure 4), and what goes wrong in a million trials. It
-//! needs valgrind. The losses are checked as `cargo test` checks them.
+//! the robust kernel's, on spheres (figure 5c), on a mesh (figure 4) and in a room of quads (`room.toml`), and what goes
+//! wrong in a million trials. It needs valgrind. The losses are checked as `cargo test` checks them.
 
 #[allow(dead_code, unused_imports, unused_macros, reason = "the suite uses more of it")]
 #[path = "../support/mod.rs"]
@@ -20,9 +20,9 @@ use ocellus::render::{Precision, RenderSettings, Rendering, Unmonitored, render}
 use ocellus_kernel::{Accuracy, Real};
 
 use support::losses::{Row, rows};
-use support::pictures::{PRECISIONS, figure};
+use support::pictures::{PRECISIONS, figure, fixture, scene};
 
-const SCENES: [&str; 2] = ["fig5c", "fig4"];
+const SCENES: [&str; 3] = ["fig5c", "fig4", "room"];
 /// Pairs of renders for each ratio of times.
 const ROUNDS: usize = 11;
 
@@ -69,7 +69,7 @@ fn main() -> ExitCode {
             .map_or_else(|| if option == "robust" { ROBUST } else { panic!("no option {option}") }, |(_, it)| it);
         let samples = samples.parse().expect("a number of samples");
         let precision = PRECISIONS.into_iter().find(|known| known.to_string() == *precision).expect("a precision");
-        choice.render(&figure(scene, 32), precision, samples);
+        choice.render(&scene_of(scene, 32), precision, samples);
         return ExitCode::SUCCESS;
     }
     println!("ratios to the robust kernel of the same precision, on one thread; less than 1 is cheaper");
@@ -78,9 +78,17 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
+/// A figure of the report, or the room beside this file.
+fn scene_of(name: &str, size: u32) -> SceneDescription {
+    match name {
+        "room" => scene(fixture("../tests/benches/room.toml"), size),
+        _ => figure(name, size),
+    }
+}
+
 fn print_table<R: Real>(precision: Precision) {
-    println!("\n| {precision} | time: spheres | mesh | instructions: spheres | mesh | of a million trials |");
-    println!("|---|---|---|---|---|---|");
+    println!("\n| {precision} | time: spheres, mesh, room | instructions: spheres, mesh, room | of a million trials |");
+    println!("|---|---|---|---|");
     let losses = rows::<R>();
     let instructions_of_robust = SCENES.map(|scene| instructions("robust", scene, precision));
     let alternatives = Choice::alternatives();
@@ -89,12 +97,13 @@ fn print_table<R: Real>(precision: Precision) {
         if let Some(robust) = losses.iter().map(|row| row.option).find(|other| other.starts_with(group))
             && !alternatives.iter().take_while(|(other, _)| other != option).any(|(other, _)| other.starts_with(group))
         {
-            println!("| `{robust}` | 1 | 1 | 1 | 1 | {} |", words(&losses, robust));
+            println!("| `{robust}` | 1 | 1 | {} |", words(&losses, robust));
         }
         let times = SCENES.map(|scene| time(*choice, scene, precision));
-        let counts = [0, 1].map(|at| instructions(option, SCENES[at], precision) / instructions_of_robust[at]);
-        let [a, b, c, d] = [times[0], times[1], counts[0], counts[1]];
-        println!("| `{option}` | {a:.2} | {b:.2} | {c:.3} | {d:.3} | {} |", words(&losses, option));
+        let times = times.map(|ratio| format!("{ratio:.2}")).join(", ");
+        let counts = [0, 1, 2].map(|at| instructions(option, SCENES[at], precision) / instructions_of_robust[at]);
+        let counts = counts.map(|ratio| format!("{ratio:.3}")).join(", ");
+        println!("| `{option}` | {times} | {counts} | {} |", words(&losses, option));
     }
 }
 
@@ -115,7 +124,7 @@ fn words(losses: &[Row], option: &str) -> String {
 
 /// The median of the ratios of times, each of two renders side by side.
 fn time(choice: Choice, scene: &str, precision: Precision) -> f64 {
-    let scene = figure(scene, 96);
+    let scene = scene_of(scene, 96);
     let mut ratios: Vec<f64> = (0..ROUNDS)
         .map(|round| {
             let both = if round % 2 == 0 { [choice, ROBUST] } else { [ROBUST, choice] };
