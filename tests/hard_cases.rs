@@ -242,7 +242,7 @@ fn spheres_at_extreme_scales_agree_with_exact_arithmetic<R: Real>() {
             let Some(SphereTruth { t: truth, condition }) = sphere_truth(center, radius, &ray) else { continue };
             right.holds(hits[0] == hits[1] && hits[0].is_some() == truth.is_some(), words);
             let (Some(hit), Some(truth)) = (hits[0], truth) else { continue };
-            let bound = tolerance::SPHERE_T * u::<R::Wide>() * condition
+            let bound = tolerance::sphere_t::<R>() * u::<R::Wide>() * condition
                 + tolerance::by_precision::<R>(tolerance::ROUNDED, 0.0) * u::<R>() * truth;
             errors.error((hit.t.to_f64() - truth).abs() / bound, words);
         }
