@@ -65,8 +65,8 @@ pub(crate) const UNDECIDED: f64 = 16.0;
 /// Where that is wider than the precision of the input it hardly shows, and 4 is never reached. In f64 it is all there
 /// is: under the root of half a chord are two differences and a product (3 u), one over the squared length of the
 /// direction (3 u and 1 u) and the product with that (1 u), halved by the root, which rounds itself: 5 u; and 1 u for the
-/// sum with the foot's t. One sphere in a million, seen from near its centre, does reach 4.5. The near root rounds more
-/// often, but its condition number is at least twice t.
+/// sum with the foot's t. Of a million spheres some that are seen from near their centres do reach 5.3. The near root
+/// rounds more often, but its condition number is at least twice t.
 pub(crate) fn sphere_t<R: Real>() -> f64 {
     by_precision::<R>(4.0, 6.0)
 }
