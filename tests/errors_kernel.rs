@@ -223,7 +223,7 @@ fn capacity_errors_say_what_is_needed() {
     for (what, word) in [
         (Capacity::Nodes, "nodes"),
         (Capacity::SphereQuads, "sphere quads"),
-        (Capacity::TriangleOrder, "triangle order"),
+        (Capacity::TriangleQuads, "triangle quads"),
         (Capacity::Scratch, "build scratch"),
     ] {
         let error = CapacityError { what, needed: 23, capacity: 7 };

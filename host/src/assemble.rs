@@ -4,14 +4,15 @@ use std::fmt;
 use std::time::Instant;
 
 use glam::{DMat3, DVec3};
-use ocellus_kernel::bvh::{self, BuildItem, Bvh, BvhSlices, Node, Structure};
+use ocellus_kernel::bvh::{self, BuildItem, Bvh, Node, Structure};
 use ocellus_kernel::camera::{Camera, CameraSettings, Filter};
+use ocellus_kernel::error::CapacityError;
 use ocellus_kernel::light::{Light, LightSampling, PointLight, SphereLight};
 use ocellus_kernel::material::{Dielectric, Diffuse, Fresnel, Material, Mirror, Scattering};
 use ocellus_kernel::path::PathOptions;
 use ocellus_kernel::real::{Real, Vec3, vec3_from_f64};
 use ocellus_kernel::scene::{Scene, SceneParts};
-use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleAttributes};
+use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleAttributes, TriangleQuad};
 use ocellus_kernel::texture::Texture;
 use ocellus_kernel::view::View;
 
@@ -97,16 +98,17 @@ pub fn with_view<R: Real, T>(
         Accel::Bvh => Some(Structure::Bvh),
     };
     let mut nodes = vec![Node::EMPTY; structure.map_or(0, |structure| structure.required_nodes(&geometry))];
-    let mut sphere_quads = vec![SphereQuad::EMPTY; structure.map_or(0, |_| geometry.spheres().len())];
-    let mut triangle_order = vec![0; structure.map_or(0, |_| geometry.triangles().len())];
+    let (mut sphere_quads, mut triangle_quads) = (Vec::new(), Vec::new());
+    let too_small = |error: CapacityError| unusable(error.to_string());
     let bvh = match structure {
         None => None,
         Some(structure) => {
             let mut scratch = vec![BuildItem::EMPTY; geometry.len()];
-            let slices =
-                BvhSlices { nodes: &mut nodes, sphere_quads: &mut sphere_quads, triangle_order: &mut triangle_order };
-            let built = bvh::build(&geometry, structure, slices, &mut scratch);
-            Some(built.map_err(|error| unusable(error.to_string()))?)
+            let plan = bvh::plan(&geometry, structure, &mut nodes, &mut scratch).map_err(too_small)?;
+            let [spheres, triangles] = plan.required_quads();
+            sphere_quads.resize(spheres, SphereQuad::EMPTY);
+            triangle_quads.resize(triangles, TriangleQuad::EMPTY);
+            Some(plan.fill(&geometry, &mut sphere_quads, &mut triangle_quads).map_err(too_small)?)
         }
     };
 
@@ -144,7 +146,7 @@ pub fn with_view<R: Real, T>(
 }
 
 fn bvh_bytes<R: Real>(bvh: &Bvh<'_, R>) -> usize {
-    size_of_val(bvh.nodes()) + size_of_val(bvh.sphere_quads()) + size_of_val(bvh.triangle_order())
+    size_of_val(bvh.nodes()) + size_of_val(bvh.sphere_quads()) + size_of_val(bvh.triangle_quads())
 }
 
 impl<R: Real> Arrays<R> {

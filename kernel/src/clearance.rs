@@ -54,7 +54,7 @@ impl<R: Real> Clearance<'_, R> {
     #[inline(always)]
     pub(crate) fn is_needed(&self, offset: Vec3<R>) -> bool {
         let offset = widen::<R>(offset);
-        let is_in_the_way = |index| self.plane(index, offset).is_some();
+        let is_in_the_way = |_, corners: &[Vec3<R>; 3]| self.plane(corners, offset).is_some();
         any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), is_in_the_way)
     }
 
@@ -72,10 +72,9 @@ impl<R: Real> Clearance<'_, R> {
     /// beyond it by more than [`ERRORS_BEYOND`] times its error: then it has a right to be. None, too, for the surface's own plane, in which
     /// its neighbours lie and perhaps copies of it: nothing can be moved off that but by its own offset.
     #[inline(always)]
-    fn plane(&self, index: usize, offset: WideVec3<R>) -> Option<Plane<R>> {
-        let corners = self.scene.geometry().corners(index);
+    fn plane(&self, corners: &[Vec3<R>; 3], offset: WideVec3<R>) -> Option<Plane<R>> {
         let corner = widen::<R>(corners[0]);
-        let front = normal::<R>(&corners);
+        let front = normal::<R>(corners);
         let ng = widen::<R>(self.ng);
         let square = front.dot(front);
         let aside = front - ng * front.dot(ng);
@@ -86,7 +85,7 @@ impl<R: Real> Clearance<'_, R> {
         let n = if front.dot(widen::<R>(self.viewer) - corner) < R::Wide::ZERO { -front } else { front };
         let height = n.dot(widen::<R>(self.point.p) - corner);
         // At least what a hit of that triangle at this point would be off by.
-        let own = triangle_point_error::<R>(self.point.p.abs(), &corners);
+        let own = triangle_point_error::<R>(self.point.p.abs(), corners);
         let error = n.abs().dot(widen::<R>(larger::<R>(self.error, own))) + aside_square.sqrt() * self.along.widen();
         let least = error - height;
         let lacking = least - n.dot(offset);
@@ -105,11 +104,11 @@ impl<R: Real> Clearance<'_, R> {
         // From the lowest triangle to the highest, whatever order they are found in; and once more.
         let (mut next, mut rounds) = (0, 0);
         for _ in 0..TRIANGLES {
-            let mut lowest: Option<(usize, Plane<R>)> = None;
-            any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), |index| {
+            let mut lowest: Option<(u32, Plane<R>)> = None;
+            any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), |index, corners| {
                 if index >= next
                     && lowest.as_ref().is_none_or(|(found, _)| index < *found)
-                    && let Some(plane) = self.plane(index, offset)
+                    && let Some(plane) = self.plane(corners, offset)
                 {
                     lowest = Some((index, plane));
                 }

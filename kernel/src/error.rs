@@ -20,8 +20,8 @@ pub enum Capacity {
     Nodes,
     /// Spheres of the leaves, in fours; one per sphere is enough.
     SphereQuads,
-    /// Triangle numbers in leaf order; one per triangle.
-    TriangleOrder,
+    /// Triangles of the leaves, in fours; one per triangle is enough.
+    TriangleQuads,
     /// Scratch of the builder; one item per primitive.
     Scratch,
 }
@@ -31,7 +31,7 @@ impl fmt::Display for CapacityError {
         let what = match self.what {
             Capacity::Nodes => "nodes",
             Capacity::SphereQuads => "sphere quads",
-            Capacity::TriangleOrder => "triangle order",
+            Capacity::TriangleQuads => "triangle quads",
             Capacity::Scratch => "build scratch",
         };
         write!(f, "{what}: {} needed, room for {}; lend a larger slice", self.needed, self.capacity)

@@ -20,6 +20,7 @@ mod sealed {
 /// A floating-point precision: f32 or f64.
 pub trait Real:
     sealed::Sealed
+    + crate::lanes::Numbers
     + Copy
     + Default
     + Debug
@@ -36,7 +37,7 @@ pub trait Real:
 {
     /// Three components of this precision.
     type Vec3: Vector<Self>;
-    /// Four numbers of this precision, for conservative tests.
+    /// Four numbers of this precision.
     type Lanes: crate::lanes::Lanes<Self>;
     /// The precision in which f32 forms what must be exact; f64 for both.
     type Wide: Real<Wide = Self::Wide>;

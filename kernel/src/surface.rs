@@ -85,7 +85,7 @@ pub(crate) fn surface_point<R: Real, E: EffectSet>(
 
     let triangle = at - geometry.spheres().len();
     let attributes = &scene.attributes()[triangle];
-    let corners = geometry.corners(triangle);
+    let corners = geometry.corners(at);
     let weights = [R::ONE - hit.u - hit.v, hit.u, hit.v];
     let ng = narrow::<R>(normalize_wide::<R>(normal::<R>(&corners)));
     let terms: [Vec3<R>; 3] = core::array::from_fn(|corner| corners[corner] * weights[corner]);

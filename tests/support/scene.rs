@@ -7,7 +7,7 @@ use ocellus_kernel::light::{Light, PointLight, SphereLight};
 use ocellus_kernel::material::{Dielectric, Diffuse, Material, Mirror, Scattering};
 use ocellus_kernel::path::PathOptions;
 use ocellus_kernel::real::{Real, Vec3, Vector, vec3_from_f64};
-use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleAttributes};
+use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleAttributes, TriangleQuad};
 use ocellus_kernel::texture::Texture;
 use ocellus_kernel::{EffectSet, Pixel, Ray, Scene, SceneParts, View};
 
@@ -140,7 +140,7 @@ pub(crate) fn one_triangle<R: Real>(corners: [Vec3<R>; 3]) -> OwnedScene<R> {
 pub(crate) struct Room<R: Real> {
     pub(crate) nodes: Vec<Node<R>>,
     pub(crate) sphere_quads: Vec<SphereQuad<R>>,
-    pub(crate) triangle_order: Vec<u32>,
+    pub(crate) triangle_quads: Vec<TriangleQuad<R>>,
     pub(crate) scratch: Vec<BuildItem<R>>,
 }
 
@@ -150,7 +150,7 @@ impl<R: Real> Room<R> {
         Self {
             nodes: vec![Node::EMPTY; nodes],
             sphere_quads: vec![SphereQuad::EMPTY; spheres],
-            triangle_order: vec![0; triangles],
+            triangle_quads: vec![TriangleQuad::EMPTY; triangles],
             scratch: vec![BuildItem::EMPTY; scratch],
         }
     }
@@ -166,8 +166,8 @@ impl<R: Real> Room<R> {
         geometry: &Geometry<'_, R>,
         structure: Structure,
     ) -> Result<Bvh<'_, R>, CapacityError> {
-        let Self { nodes, sphere_quads, triangle_order, scratch } = self;
-        bvh::build(geometry, structure, BvhSlices { nodes, sphere_quads, triangle_order }, scratch)
+        let Self { nodes, sphere_quads, triangle_quads, scratch } = self;
+        bvh::build(geometry, structure, BvhSlices { nodes, sphere_quads, triangle_quads }, scratch)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use ocellus_kernel::bvh::Node;
+use ocellus_kernel::bvh::{Bounds, Bvh, Child};
 use ocellus_kernel::{Effects, Pixel, Real, View};
 use serde_json::{Value, json};
 
@@ -55,27 +55,32 @@ struct BvhFigures {
     leaves: usize,
     deepest: usize,
     largest_leaf: usize,
-    /// Expected node pairs and primitives that a random ray through the root box meets (surface area heuristic).
+    /// Expected nodes and primitives of leaves that a random ray through the outermost box meets (surface area heuristic).
     expected_nodes: f64,
     expected_primitives: f64,
 }
 
 impl BvhFigures {
-    fn of<R: Real>(nodes: &[Node<R>]) -> Self {
-        let mut figures = Self { nodes: nodes.len(), ..Self::default() };
-        let root_area = nodes.first().map_or(0.0, |root| root.bounds().half_area().to_f64());
-        let mut waiting: Vec<(usize, usize)> = nodes.first().map(|_| (0, 0)).into_iter().collect();
-        while let Some((at, depth)) = waiting.pop() {
-            let node = &nodes[at];
-            let share = if root_area > 0.0 { node.bounds().half_area().to_f64() / root_area } else { 1.0 };
+    fn of<R: Real>(bvh: &Bvh<'_, R>) -> Self {
+        let mut figures = Self { nodes: bvh.nodes().len(), ..Self::default() };
+        let Some(root) = bvh.nodes().first() else { return figures };
+        // Of the rays that meet the box of a node, its child's share.
+        let area = |bounds: Bounds<R>| bounds.half_area().to_f64();
+        let around = (0..root.len()).map(|lane| root.bounds(lane)).reduce(|a, b| a.union(&b));
+        let root_area = around.map_or(0.0, area);
+        let mut waiting = vec![(root, 0, 1.0)];
+        while let Some((node, depth, share)) = waiting.pop() {
+            figures.expected_nodes += share;
             figures.deepest = figures.deepest.max(depth);
-            if let Some(children) = node.children() {
-                figures.expected_nodes += share;
-                waiting.extend(children.map(|child| (child, depth + 1)));
-            } else {
-                figures.leaves += 1;
-                figures.largest_leaf = figures.largest_leaf.max(node.primitives());
-                figures.expected_primitives += share * node.primitives() as f64;
+            for (lane, child) in bvh.children(node).enumerate() {
+                let share = if root_area > 0.0 { area(node.bounds(lane)) / root_area } else { 1.0 };
+                if let Child::Node(child) = child {
+                    waiting.push((&bvh.nodes()[child], depth + 1, share));
+                } else {
+                    figures.leaves += 1;
+                    figures.largest_leaf = figures.largest_leaf.max(node.primitives(lane));
+                    figures.expected_primitives += share * node.primitives(lane) as f64;
+                }
             }
         }
         figures
@@ -91,7 +96,7 @@ fn explain<'a, R: TableReal>(args: &'a SceneArgs, scene: &'a SceneDescription) -
             row: select(view.required_effects(), args.effects, args.accuracy.into())?,
             isa: Isa::select(args.isa)?,
             setup: *setup,
-            bvh: view.scene.bvh().map(|bvh| BvhFigures::of(bvh.nodes())),
+            bvh: view.scene.bvh().map(BvhFigures::of),
             film_bytes: scene.film.width as usize * scene.film.height as usize * size_of::<Pixel>(),
         })
     })?
@@ -171,7 +176,7 @@ impl Explanation<'_> {
             )?;
             writeln!(
                 out,
-                "  a random ray through it meets {:.1} inner nodes and {:.1} primitives of {}",
+                "  a random ray through it meets {:.1} nodes and {:.1} primitives of {}",
                 bvh.expected_nodes, bvh.expected_primitives, self.setup.primitives
             )?;
         }

@@ -1,6 +1,7 @@
 //! Axis-aligned boxes and the one slab test that everything uses.
 
 use crate::effects::EffectSet;
+use crate::lanes::Numbers;
 use crate::real::{Real, Vec3, Vector, greater, lesser};
 use crate::robust::{slab_far_padding, slab_near_padding};
 use crate::shape::PreparedRay;
@@ -65,14 +66,8 @@ impl<R: Real> Bounds<R> {
     /// [`Bounds::entry`] of a ray of which only this is known.
     #[inline]
     pub(crate) fn entry_between(&self, ray: &Slabs<R>, tmin: R, tmax: R) -> Option<R> {
-        let side = |far_side: bool, axis: usize| {
-            let corner = &self.corners[usize::from(ray.negative[axis] != far_side)];
-            (corner[axis] - ray.origin[axis]) * ray.inverse[usize::from(far_side)][axis]
-        };
-        // The far side is searched for its negated maximum, so that both are the same operation.
-        let near = (0..3).fold(tmin, |near, axis| greater(near, side(false, axis)));
-        let minus_far = (0..3).fold(-tmax, |minus_far, axis| greater(minus_far, side(true, axis)));
-        if near <= -minus_far { Some(near) } else { None }
+        let (near, far) = ray.interval(|side, axis| self.corners[side][axis], |one| one, tmin, tmax);
+        if near <= far { Some(near) } else { None }
     }
 }
 
@@ -81,8 +76,8 @@ impl<R: Real> Bounds<R> {
 pub struct Slabs<R: Real> {
     /// Origin, scene units.
     origin: [R; 3],
-    /// One over each component of the direction, for the near side of a slab, and minus that for the far side, padded
-    /// if [`Accuracy`](crate::Accuracy) says so; infinite where the component is zero.
+    /// One over each component of the direction, for the near and for the far side of a slab, padded if
+    /// [`Accuracy`](crate::Accuracy) says so; infinite where the component is zero.
     inverse: [[R; 3]; 2],
     /// Whether the direction's sign bit is set: then a slab is entered through its upper side.
     negative: [bool; 3],
@@ -93,15 +88,34 @@ impl<R: Real> Slabs<R> {
     #[inline]
     pub(crate) fn new<E: EffectSet>(origin: [R; 3], inverse: [R; 3]) -> Self {
         let pads = if const { E::ACCURACY.pads_boxes() } {
-            [slab_near_padding::<R>(), -slab_far_padding::<R>()]
+            [slab_near_padding::<R>(), slab_far_padding::<R>()]
         } else {
-            [R::ONE, -R::ONE]
+            [R::ONE, R::ONE]
         };
         Self {
             origin,
             inverse: pads.map(|pad| inverse.map(|d| d * pad)),
             negative: inverse.map(|d| d.is_sign_negative()),
         }
+    }
+
+    /// Where the ray enters and leaves a box, or several, clamped to `tmin` and `tmax`; `corner` gives the lower and the
+    /// upper corners by axis.
+    #[inline(always)]
+    pub(super) fn interval<T: Numbers>(
+        &self,
+        corner: impl Fn(usize, usize) -> T,
+        splat: impl Fn(R) -> T,
+        tmin: R,
+        tmax: R,
+    ) -> (T, T) {
+        let reach = |far_side: bool, axis: usize| {
+            let corner = corner(usize::from(self.negative[axis] != far_side), axis);
+            (corner - splat(self.origin[axis])) * splat(self.inverse[usize::from(far_side)][axis])
+        };
+        let near = splat(tmin).greater(reach(false, 0)).greater(reach(false, 1)).greater(reach(false, 2));
+        let far = splat(tmax).lesser(reach(true, 0)).lesser(reach(true, 1)).lesser(reach(true, 2));
+        (near, far)
     }
 }
 

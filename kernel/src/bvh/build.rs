@@ -1,10 +1,12 @@
-//! The builder: binned surface area heuristic (Wald 2007), in place, without an allocator and without recursion.
+//! The builder: from the root down, in place, without an allocator and without recursion.
 
-use super::node::OF_SPHERES;
-use super::{Bounds, Bvh, BvhSlices, MAX_DEPTH, Node, required_nodes};
+use super::extent::{BuildItem, Extent};
+use super::node::MAX_QUADS;
+use super::split::{Cut, Filled, MAX_ROOT_QUADS, Part, quads};
+use super::{Bvh, BvhSlices, MAX_DEPTH, MAX_WAITING, Node, WIDTH, required_nodes};
 use crate::error::{Capacity, CapacityError};
-use crate::real::{Real, Vector};
-use crate::shape::{Geometry, Sphere, SphereQuad};
+use crate::real::Real;
+use crate::shape::{Geometry, SphereQuad, TriangleQuad};
 
 /// Which structure to build over the primitives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,56 +22,19 @@ impl Structure {
     /// Number of nodes that are enough for it over `geometry`.
     pub fn required_nodes<R: Real>(self, geometry: &Geometry<'_, R>) -> usize {
         match self {
-            Self::Box if geometry.spheres().is_empty() || geometry.triangles().is_empty() => geometry.len().min(1),
-            Self::Box => 3,
+            Self::Box => geometry.len().min(1),
             Self::Bvh => required_nodes(geometry.len()),
         }
     }
 }
 
-/// Scratch of the builder: one per primitive.
-#[derive(Clone, Copy, Debug)]
-pub struct BuildItem<R: Real> {
-    bounds: Bounds<R>,
-    primitive: u32,
-}
-
-impl<R: Real> BuildItem<R> {
-    /// An item of a scratch that holds nothing yet.
-    pub const EMPTY: Self = Self { bounds: Bounds::EMPTY, primitive: 0 };
-
-    /// Twice the centre of the box along `axis`: as good a key as the centre.
-    #[inline]
-    fn key(&self, axis: usize) -> R {
-        self.bounds.corners[0][axis] + self.bounds.corners[1][axis]
-    }
-}
-
-/// Bins along the axis of a split.
-const BINS: usize = 16;
-/// Cost of visiting an inner node's two children, in triangle tests.
-const VISIT_COST: f64 = 1.25;
-/// Leaves cost at most this much, in triangle tests.
-const MAX_LEAF_COST: f64 = 8.0;
-/// Below this depth splits halve, which takes at most 32 more levels for 2^31 primitives.
-const HALVE_FROM_DEPTH: usize = MAX_DEPTH - 33;
-
-/// The primitives of a leaf are of one kind.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Spheres,
-    Triangles,
-}
-
-impl Kind {
-    /// Cost of testing `count` primitives, in triangle tests: four spheres cost about as much as one triangle.
-    #[inline]
-    fn cost(self, count: usize) -> f64 {
-        match self {
-            Self::Spheres => count.div_ceil(4) as f64,
-            Self::Triangles => count as f64,
-        }
-    }
+/// A hierarchy whose leaves are still to be filled.
+#[derive(Debug)]
+pub struct Plan<'a, 'b, R: Real> {
+    nodes: &'a mut [Node<R>],
+    items: &'b [BuildItem<R>],
+    spheres: usize,
+    required_quads: [usize; 2],
 }
 
 /// Builds a hierarchy of `geometry` in the caller's slices.
@@ -85,218 +50,213 @@ pub fn build<'a, R: Real>(
     slices: BvhSlices<'a, R>,
     scratch: &mut [BuildItem<R>],
 ) -> Result<Bvh<'a, R>, CapacityError> {
-    let BvhSlices { nodes, sphere_quads, triangle_order } = slices;
-    let (spheres, triangles) = (geometry.spheres().len(), geometry.triangles().len());
-    let room = |what, needed, capacity| {
-        if needed <= capacity { Ok(()) } else { Err(CapacityError { what, needed, capacity }) }
-    };
-    room(Capacity::Nodes, structure.required_nodes(geometry), nodes.len())?;
-    room(Capacity::SphereQuads, spheres, sphere_quads.len())?;
-    room(Capacity::TriangleOrder, triangles, triangle_order.len())?;
-    room(Capacity::Scratch, spheres + triangles, scratch.len())?;
-
-    let items = &mut scratch[..spheres + triangles];
-    for (index, item) in items.iter_mut().enumerate() {
-        *item = BuildItem { bounds: geometry.bounds(index), primitive: index as u32 };
-    }
-    // One root for both kinds, if there are both.
-    let both = spheres > 0 && triangles > 0;
-    let (mut used, sphere_root, triangle_root) = if both { (3, 1, 2) } else { (items.len().min(1), 0, 0) };
-    nodes[..used].fill(Node::EMPTY);
-    if both {
-        nodes[0] = Node { bounds: union(items), first: 1, count: 0 };
-    }
-    let (sphere_items, triangle_items) = items.split_at_mut(spheres);
-    let mut quads = 0;
-    if spheres > 0 {
-        used = grow(sphere_items, Kind::Spheres, structure, nodes, sphere_root, used);
-        quads = pack_leaves(sphere_items, geometry.spheres(), &mut nodes[..used], sphere_quads);
-    }
-    if triangles > 0 {
-        used = grow(triangle_items, Kind::Triangles, structure, nodes, triangle_root, used);
-        for (slot, item) in triangle_order.iter_mut().zip(triangle_items.iter()) {
-            *slot = item.primitive;
-        }
-    }
-    Ok(Bvh {
-        nodes: &nodes[..used],
-        spheres,
-        sphere_quads: &sphere_quads[..quads],
-        triangle_order: &triangle_order[..triangles],
-    })
+    let BvhSlices { nodes, sphere_quads, triangle_quads } = slices;
+    plan(geometry, structure, nodes, scratch)?.fill(geometry, sphere_quads, triangle_quads)
 }
 
-/// Puts the spheres of each leaf side by side, and points the leaf there; returns the number of quads.
-fn pack_leaves<R: Real>(
-    items: &[BuildItem<R>],
-    spheres: &[Sphere<R>],
-    nodes: &mut [Node<R>],
-    quads: &mut [SphereQuad<R>],
-) -> usize {
-    let mut used = 0;
-    for leaf in nodes.iter_mut().filter(|node| node.count > 0) {
-        let first = leaf.first as usize;
-        let items = &items[first..first + leaf.count as usize];
-        *leaf = Node { first: used as u32, count: leaf.count | OF_SPHERES, ..*leaf };
-        for four in items.chunks(4) {
-            let mut numbers = [0; 4];
-            numbers.iter_mut().zip(four).for_each(|(number, item)| *number = item.primitive);
-            quads[used] = SphereQuad::new(spheres, &numbers[..four.len()]);
-            used += 1;
-        }
-    }
-    used
-}
-
-/// Makes `items` the leaf at `root` and splits it down, with nodes from `used` on; returns the number of nodes then.
-fn grow<R: Real>(
-    items: &mut [BuildItem<R>],
-    kind: Kind,
+/// The first half of [`build`]: all but the leaves, whose size is then known.
+///
+/// # Errors
+/// [`CapacityError`] where there are fewer nodes than [`Structure::required_nodes`], or fewer items than primitives.
+pub fn plan<'a, 'b, R: Real>(
+    geometry: &Geometry<'_, R>,
     structure: Structure,
-    nodes: &mut [Node<R>],
-    root: usize,
-    mut used: usize,
-) -> usize {
-    nodes[root] = Node { bounds: union(items), first: 0, count: items.len() as u32 };
-    if structure == Structure::Box {
-        return used;
+    nodes: &'a mut [Node<R>],
+    scratch: &'b mut [BuildItem<R>],
+) -> Result<Plan<'a, 'b, R>, CapacityError> {
+    let spheres = geometry.spheres().len();
+    room(Capacity::Nodes, structure.required_nodes(geometry), nodes.len())?;
+    room(Capacity::Scratch, geometry.len(), scratch.len())?;
+    let items = &mut scratch[..geometry.len()];
+    for (index, item) in items.iter_mut().enumerate() {
+        *item = BuildItem { extent: Extent::new(&geometry.bounds(index)), primitive: index as u32 };
     }
-    // Depth first: at each level one sibling waits, so the stack is as deep as the tree.
-    let mut waiting = [(0u32, 0u8); MAX_DEPTH + 1];
-    // A root of one kind may lie one below the root of all.
-    waiting[0] = (root as u32, u8::from(root > 0));
-    let mut top = 1;
-    while top > 0 {
-        top -= 1;
-        let (at, depth) = waiting[top];
-        let node = nodes[at as usize];
-        let (first, count) = (node.first as usize, node.count as usize);
-        let range = &mut items[first..first + count];
-        let Some(left) = split(range, kind, &node.bounds, depth as usize) else { continue };
-        let (left_items, right_items) = range.split_at(left);
-        let child = |items: &[BuildItem<R>], first: usize| Node {
-            bounds: union(items),
-            first: first as u32,
-            count: items.len() as u32,
-        };
-        nodes[used] = child(left_items, first);
-        nodes[used + 1] = child(right_items, first + left);
-        nodes[at as usize] = Node { first: used as u32, count: 0, ..node };
-        waiting[top] = (used as u32 + 1, depth + 1);
-        waiting[top + 1] = (used as u32, depth + 1);
-        top += 2;
-        used += 2;
+    let used = if items.is_empty() { 0 } else { grow(items, spheres, structure, nodes) };
+    let nodes = &mut nodes[..used];
+    let mut required_quads = [0; 2];
+    for leaf in leaves(nodes) {
+        required_quads[usize::from(leaf.start >= spheres)] += quads(leaf.len());
     }
-    used
+    Ok(Plan { nodes, items, spheres, required_quads })
 }
 
-fn union<R: Real>(items: &[BuildItem<R>]) -> Bounds<R> {
-    items.iter().fold(Bounds::EMPTY, |bounds, item| bounds.union(&item.bounds))
-}
+impl<'a, R: Real> Plan<'a, '_, R> {
+    /// How many quads of spheres and of triangles the leaves need.
+    pub fn required_quads(&self) -> [usize; 2] {
+        self.required_quads
+    }
 
-/// Reorders the items and says how many go left; `None` where a leaf is better.
-fn split<R: Real>(items: &mut [BuildItem<R>], kind: Kind, bounds: &Bounds<R>, depth: usize) -> Option<usize> {
-    if items.len() < 2 {
-        return None;
-    }
-    let mut keys = Bounds::EMPTY;
-    for item in items.iter() {
-        keys.grow(R::Vec3::new(item.key(0), item.key(1), item.key(2)));
-    }
-    let leaf_cost = kind.cost(items.len());
-    if depth < HALVE_FROM_DEPTH {
-        let best = (0..3)
-            .filter_map(|axis| best_plane(items, kind, &keys, axis))
-            .reduce(|a, b| if b.cost < a.cost { b } else { a });
-        if let Some(plane) = best {
-            let area = bounds.half_area().to_f64();
-            let cost = VISIT_COST + plane.cost / area;
-            if leaf_cost > MAX_LEAF_COST || cost < leaf_cost {
-                return Some(partition(items, |item| plane.bin(item) <= plane.last_left));
+    /// The second half of [`build`]: copies the primitives of `geometry`, which must be the one that was planned for, to
+    /// where traversal finds them side by side.
+    ///
+    /// # Errors
+    /// [`CapacityError`] where there are fewer quads than [`Plan::required_quads`], or more are needed than 2^27.
+    pub fn fill(
+        self,
+        geometry: &Geometry<'_, R>,
+        sphere_quads: &'a mut [SphereQuad<R>],
+        triangle_quads: &'a mut [TriangleQuad<R>],
+    ) -> Result<Bvh<'a, R>, CapacityError> {
+        let Self { nodes, items, spheres, required_quads: [needed_spheres, needed_triangles] } = self;
+        room(Capacity::SphereQuads, needed_spheres, sphere_quads.len().min(MAX_QUADS))?;
+        room(Capacity::TriangleQuads, needed_triangles, triangle_quads.len().min(MAX_QUADS))?;
+        let mut used = [0; 2];
+        for node in nodes.iter_mut() {
+            for lane in 0..WIDTH {
+                let range = node.items(lane);
+                if range.is_empty() {
+                    continue;
+                }
+                let of_spheres = range.start < spheres;
+                let used = &mut used[usize::from(!of_spheres)];
+                let first = *used;
+                for four in items[range].chunks(4) {
+                    if of_spheres {
+                        let mut numbers = [0; 4];
+                        numbers.iter_mut().zip(four).for_each(|(number, item)| *number = item.primitive);
+                        sphere_quads[*used] = SphereQuad::new(geometry.spheres(), &numbers[..four.len()]);
+                    } else {
+                        let mut quad = TriangleQuad::EMPTY;
+                        for (lane, item) in four.iter().enumerate() {
+                            quad.set(lane, item.primitive, &geometry.corners(item.primitive as usize));
+                        }
+                        triangle_quads[*used] = quad;
+                    }
+                    *used += 1;
+                }
+                node.set_leaf(lane, of_spheres, first..*used);
             }
-            return None;
         }
+        Ok(Bvh {
+            nodes,
+            sphere_quads: &sphere_quads[..needed_spheres],
+            triangle_quads: &triangle_quads[..needed_triangles],
+            built_for: [spheres, items.len() - spheres],
+        })
     }
-    if leaf_cost <= MAX_LEAF_COST {
-        return None;
-    }
-    Some(halve(items, &keys))
 }
 
-/// Where to cut, and what it costs: areas times costs.
+fn room(what: Capacity, needed: usize, capacity: usize) -> Result<(), CapacityError> {
+    if needed <= capacity { Ok(()) } else { Err(CapacityError { what, needed, capacity }) }
+}
+
+/// The items of all leaves.
+fn leaves<R: Real>(nodes: &[Node<R>]) -> impl Iterator<Item = core::ops::Range<usize>> {
+    nodes.iter().flat_map(|node| (0..WIDTH).map(|lane| node.items(lane))).filter(|items| !items.is_empty())
+}
+
+/// A child that is to become a node.
 #[derive(Clone, Copy)]
-struct Plane<R: Real> {
-    axis: usize,
-    low: R,
-    scale: R,
-    last_left: usize,
-    cost: f64,
+struct Pending {
+    parent: u32,
+    lane: u8,
+    depth: u8,
+    first: u32,
+    count: u32,
 }
 
-impl<R: Real> Plane<R> {
-    /// The bin of an item; keys that are not numbers go first.
-    #[inline]
-    fn bin(&self, item: &BuildItem<R>) -> usize {
-        let bin = ((item.key(self.axis) - self.low) * self.scale).to_i32();
-        bin.clamp(0, BINS as i32 - 1) as usize
+/// Grows the hierarchy of all items, of which the first are `spheres`; returns how many nodes it has. Their leaves are
+/// ranges of items.
+fn grow<R: Real>(items: &mut [BuildItem<R>], spheres: usize, structure: Structure, nodes: &mut [Node<R>]) -> usize {
+    // Depth first: the stack is that of traversal.
+    let mut pending = [Pending { parent: 0, lane: 0, depth: 0, first: 0, count: 0 }; MAX_WAITING];
+    let mut top = 0;
+    let kinds = [(0, spheres), (spheres, items.len() - spheres)];
+    let mut parts = Parts::default();
+    for (first, count) in kinds.into_iter().filter(|(_, count)| *count > 0) {
+        let mut part = Part::new(items, first, count);
+        part.is_leaf |=
+            structure == Structure::Box || (count == items.len() && spheres > 0 && quads(count) <= MAX_ROOT_QUADS);
+        parts.push(part);
+    }
+    let mut filled = Filled::EMPTY;
+    let (mut node, mut depth, mut used) = (0, 0, 1);
+    loop {
+        parts.split(items, depth, &mut filled);
+        nodes[node] = Node::EMPTY;
+        for (lane, part) in parts.all().iter().enumerate() {
+            let (first, count) = (part.first as u32, part.count as u32);
+            let bounds = part.bounds.bounds();
+            if part.is_leaf {
+                nodes[node].set_items(lane, &bounds, first, count);
+            } else {
+                nodes[node].set_bounds(lane, &bounds);
+                pending[top] = Pending { parent: node as u32, lane: lane as u8, depth: depth as u8 + 1, first, count };
+                top += 1;
+            }
+        }
+        if top == 0 {
+            return used;
+        }
+        top -= 1;
+        let next = pending[top];
+        (node, depth) = (used, next.depth.into());
+        used += 1;
+        nodes[next.parent as usize].set_node(next.lane.into(), node as u32);
+        parts = Parts::default();
+        parts.push(Part::new(items, next.first as usize, next.count as usize));
     }
 }
 
-/// The cheapest of the planes between bins along `axis`; `None` where all centres fall into one bin.
-fn best_plane<R: Real>(items: &[BuildItem<R>], kind: Kind, keys: &Bounds<R>, axis: usize) -> Option<Plane<R>> {
-    let low = keys.corners[0][axis];
-    let extent = keys.corners[1][axis] - low;
-    let scale = R::from_f64(BINS as f64) / extent;
-    if !(extent > R::ZERO && scale.is_finite() && scale > R::ZERO) {
-        return None;
+/// The children of a node to be.
+struct Parts<R: Real> {
+    parts: [Part<R>; WIDTH],
+    count: usize,
+}
+
+impl<R: Real> Default for Parts<R> {
+    fn default() -> Self {
+        Self { parts: [Part::EMPTY; WIDTH], count: 0 }
     }
-    let mut plane = Plane { axis, low, scale, last_left: 0, cost: f64::MAX };
-    let mut bins = [(Bounds::<R>::EMPTY, 0); BINS];
-    for item in items {
-        let (bounds, count) = &mut bins[plane.bin(item)];
-        *bounds = bounds.union(&item.bounds);
-        *count += 1;
+}
+
+impl<R: Real> Parts<R> {
+    fn all(&self) -> &[Part<R>] {
+        &self.parts[..self.count]
     }
-    // Costs of what lies right of each plane, then a sweep from the left.
-    let mut right_costs = [0.0; BINS];
-    let (mut bounds, mut count) = (Bounds::EMPTY, 0);
-    for bin in (1..BINS).rev() {
-        bounds = bounds.union(&bins[bin].0);
-        count += bins[bin].1;
-        right_costs[bin - 1] = bounds.half_area().to_f64() * kind.cost(count);
+
+    fn push(&mut self, part: Part<R>) {
+        self.parts[self.count] = part;
+        self.count += 1;
     }
-    let (mut bounds, mut count) = (Bounds::EMPTY, 0);
-    for bin in 0..BINS - 1 {
-        bounds = bounds.union(&bins[bin].0);
-        count += bins[bin].1;
-        let cost = bounds.half_area().to_f64() * kind.cost(count) + right_costs[bin];
-        if count > 0 && count < items.len() && cost < plane.cost {
-            plane = Plane { last_left: bin, cost, ..plane };
+
+    /// Cuts the largest again and again, while there is room and something to cut.
+    fn split(&mut self, items: &mut [BuildItem<R>], depth: usize, filled: &mut Filled<R>) {
+        let count = self.all().iter().map(|part| part.count).sum();
+        // By halves, eight at a time, each level needs an eighth of what the one above it has.
+        let cut = if depth + levels(count) < MAX_DEPTH { Cut::Best } else { Cut::Halves };
+        while self.count < WIDTH {
+            let size = |part: &Part<R>| match cut {
+                Cut::Best => part.bounds.half_area(),
+                Cut::Halves => part.count as f64,
+            };
+            let open = self.all().iter().enumerate().filter(|(_, part)| !part.is_leaf);
+            let largest = open.reduce(|a, b| if size(b.1) > size(a.1) { b } else { a });
+            let Some((largest, _)) = largest else { return };
+            if let Some(right) = self.parts[largest].split(items, cut, filled) {
+                self.push(right);
+            }
         }
     }
-    (plane.cost < f64::MAX).then_some(plane)
 }
 
-/// Moves the items that belong left to the front; returns how many they are.
-fn partition<T>(items: &mut [T], mut is_left: impl FnMut(&T) -> bool) -> usize {
-    let mut left = 0;
-    for at in 0..items.len() {
-        if is_left(&items[at]) {
-            items.swap(left, at);
-            left += 1;
-        }
+/// How many nodes must lie one below the other for `count` primitives.
+fn levels(count: usize) -> usize {
+    let (mut levels, mut reach) = (1, 4 * WIDTH);
+    while reach < count {
+        levels += 1;
+        reach = usize::saturating_mul(reach, WIDTH);
     }
-    left
+    levels
 }
 
-/// Halves the items at the median of the longest axis; primitive numbers break ties, so the result is defined.
-fn halve<R: Real>(items: &mut [BuildItem<R>], keys: &Bounds<R>) -> usize {
-    let extent = |axis: usize| keys.corners[1][axis] - keys.corners[0][axis];
-    let axis = (1..3).fold(0, |longest, axis| if extent(axis) > extent(longest) { axis } else { longest });
-    let middle = items.len() / 2;
-    items.select_nth_unstable_by(middle, |a, b| {
-        let (key_a, key_b) = (a.key(axis).to_f64(), b.key(axis).to_f64());
-        key_a.total_cmp(&key_b).then(a.primitive.cmp(&b.primitive))
-    });
-    middle
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_most_primitives_fit_in_the_depth() {
+        assert_eq!([1, 32, 33, 256, 257].map(levels), [1, 1, 2, 2, 3]);
+        assert!(levels(1 << 31) < MAX_DEPTH);
+    }
 }

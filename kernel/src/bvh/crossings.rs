@@ -1,6 +1,7 @@
 //! All that a ray crosses, each surface exactly once.
 
-use super::{Bvh, Leaf};
+use super::Bvh;
+use super::walk::Leaf;
 #[cfg(doc)]
 use crate::accuracy::TriangleTest;
 use crate::departure::Departure;
@@ -32,14 +33,14 @@ pub fn crossings<R: Real, E: EffectSet>(
         return (0..geometry.len() as u32).for_each(|index| geometry.cross::<E>(&prepared, ray.tmax, index, &mut see));
     };
     bvh.walk(
-        |bounds| bounds.entry(&prepared, ray.tmax).is_some(),
+        |node| node.entries(&prepared.slabs, prepared.tmin, ray.tmax).1,
         |leaf| {
             let mut cross = |index| geometry.cross::<E>(&prepared, ray.tmax, index, &mut see);
             match leaf {
-                Leaf::Triangles(range) => bvh.triangle_order[range].iter().copied().for_each(&mut cross),
-                Leaf::Spheres(range) => {
-                    bvh.sphere_quads[range].iter().flat_map(|quad| quad.distinct()).for_each(&mut cross)
+                Leaf::Triangles(quads) => {
+                    quads.iter().flat_map(|quad| quad.triangles()).for_each(|(index, _)| cross(index));
                 }
+                Leaf::Spheres(quads) => quads.iter().flat_map(|quad| quad.distinct()).for_each(&mut cross),
             }
             false
         },

@@ -1,52 +1,70 @@
-//! A bounding volume hierarchy in arrays that the caller owns.
+//! A bounding volume hierarchy in arrays that the caller owns: nodes of eight children, leaves of triangles and of
+//! spheres in fours.
 
 mod bounds;
 mod build;
 mod crossings;
+mod extent;
 mod near;
 mod node;
+mod split;
 mod traverse;
 mod walk;
 
 pub use bounds::{Bounds, Slabs};
-pub use build::{BuildItem, Structure, build};
+pub use build::{Plan, Structure, build, plan};
 pub use crossings::crossings;
+pub use extent::BuildItem;
 pub(crate) use near::any_triangle_near;
-pub use node::{Leaf, Node};
+pub use node::{Child, Node, WIDTH};
 pub(crate) use traverse::search;
 pub use traverse::{intersect, occluded};
 
 use crate::error::CapacityError;
 use crate::real::Real;
-use crate::shape::{Geometry, SphereQuad};
+use crate::shape::{Geometry, SphereQuad, TriangleQuad};
 
-/// The deepest a leaf can lie below the root (depth 0). The builder keeps to it, so traversal has a stack of this
-/// size that cannot overflow.
-pub const MAX_DEPTH: usize = 64;
+/// How many nodes lie one below the other at most. The builder keeps to it, so traversal has a stack that cannot
+/// overflow.
+pub const MAX_DEPTH: usize = 16;
 
-/// How many nodes the hierarchy of `primitives` can need: every leaf holds at least one.
+/// How many children can wait at once: all but one of each node from the root down, and all of the last.
+const MAX_WAITING: usize = (WIDTH - 1) * MAX_DEPTH + 1;
+
+/// How many nodes the hierarchy of `primitives` can need: each but the root is there for five or more, and a node has
+/// eight children, or else only leaves.
 pub const fn required_nodes(primitives: usize) -> usize {
     match primitives {
         0 => 0,
-        n => 2 * n - 1,
+        1..=8 => 1,
+        n => (n - 1) / 4,
     }
 }
 
 /// A hierarchy over the primitives of one [`Geometry`], borrowed from the caller. Made by [`build`].
-///
-/// Spheres and triangles have a hierarchy each, side by side below the root.
 #[derive(Clone, Copy, Debug)]
 pub struct Bvh<'a, R: Real> {
     nodes: &'a [Node<R>],
-    spheres: usize,
     sphere_quads: &'a [SphereQuad<R>],
-    triangle_order: &'a [u32],
+    triangle_quads: &'a [TriangleQuad<R>],
+    built_for: [usize; 2],
 }
 
 impl<'a, R: Real> Bvh<'a, R> {
-    /// The nodes in use: the root first, children in neighbouring pairs.
+    /// The nodes in use: the root first, each before those below it.
     pub fn nodes(&self) -> &'a [Node<R>] {
         self.nodes
+    }
+
+    /// The children of a node of this hierarchy, in their lanes.
+    pub fn children(&self, node: &Node<R>) -> impl Iterator<Item = Child> {
+        let quads = self.quads();
+        let bits = core::array::from_fn::<_, WIDTH, _>(|lane| node.child(lane));
+        bits.into_iter().take(node.len()).map(move |child| match node::place(child, quads) {
+            node::Place::Node(node) => Child::Node(node),
+            node::Place::Spheres(first, end) => Child::Spheres(first..end),
+            node::Place::Triangles(first, end) => Child::Triangles(first..end),
+        })
     }
 
     /// The spheres in the order of the leaves, in fours.
@@ -54,20 +72,25 @@ impl<'a, R: Real> Bvh<'a, R> {
         self.sphere_quads
     }
 
-    /// The primitive numbers of the triangles in the order of the leaves.
-    pub fn triangle_order(&self) -> &'a [u32] {
-        self.triangle_order
+    /// The triangles in the order of the leaves, in fours.
+    pub fn triangle_quads(&self) -> &'a [TriangleQuad<R>] {
+        self.triangle_quads
     }
 
     /// How many spheres and triangles it was built for.
     pub fn built_for(&self) -> [usize; 2] {
-        [self.spheres, self.triangle_order.len()]
+        self.built_for
     }
 
     /// Whether it can be a hierarchy of `geometry`: one over as many spheres and triangles.
     #[inline]
     pub fn fits(&self, geometry: &Geometry<'_, R>) -> bool {
-        self.spheres == geometry.spheres().len() && self.triangle_order.len() == geometry.triangles().len()
+        self.built_for == [geometry.spheres().len(), geometry.triangles().len()]
+    }
+
+    #[inline(always)]
+    fn quads(&self) -> [usize; 2] {
+        [self.sphere_quads.len(), self.triangle_quads.len()]
     }
 }
 
@@ -76,42 +99,42 @@ impl<'a, R: Real> Bvh<'a, R> {
 pub struct BvhSlices<'a, R: Real> {
     /// [`Structure::required_nodes`].
     pub nodes: &'a mut [Node<R>],
-    /// One per sphere is enough; most often a quarter of that is used.
+    /// [`Plan::required_quads`]: one per sphere is enough; most often half of that is used.
     pub sphere_quads: &'a mut [SphereQuad<R>],
-    /// One per triangle.
-    pub triangle_order: &'a mut [u32],
+    /// [`Plan::required_quads`]: one per triangle is enough; most often a third of that is used.
+    pub triangle_quads: &'a mut [TriangleQuad<R>],
 }
 
-/// Room for the hierarchy of up to `SPHERES` spheres and `TRIANGLES` triangles in `NODES` nodes, wherever the caller
-/// puts it (a `static`, the stack, a box). [`required_nodes`] says how many nodes are enough.
+/// Room for a hierarchy of up to so many nodes and quads, wherever the caller puts it (a `static`, the stack, a box).
+/// [`required_nodes`] says how many nodes are enough, [`BvhSlices`] how many quads.
 #[derive(Clone, Debug)]
-pub struct BvhStorage<R: Real, const NODES: usize, const SPHERES: usize, const TRIANGLES: usize> {
+pub struct BvhStorage<R: Real, const NODES: usize, const SPHERE_QUADS: usize, const TRIANGLE_QUADS: usize> {
     nodes: [Node<R>; NODES],
-    sphere_quads: [SphereQuad<R>; SPHERES],
-    triangle_order: [u32; TRIANGLES],
+    sphere_quads: [SphereQuad<R>; SPHERE_QUADS],
+    triangle_quads: [TriangleQuad<R>; TRIANGLE_QUADS],
 }
 
-impl<R: Real, const NODES: usize, const SPHERES: usize, const TRIANGLES: usize>
-    BvhStorage<R, NODES, SPHERES, TRIANGLES>
+impl<R: Real, const NODES: usize, const SPHERE_QUADS: usize, const TRIANGLE_QUADS: usize>
+    BvhStorage<R, NODES, SPHERE_QUADS, TRIANGLE_QUADS>
 {
     /// Room with nothing in it.
     pub const EMPTY: Self = Self {
         nodes: [Node::EMPTY; NODES],
-        sphere_quads: [SphereQuad::EMPTY; SPHERES],
-        triangle_order: [0; TRIANGLES],
+        sphere_quads: [SphereQuad::EMPTY; SPHERE_QUADS],
+        triangle_quads: [TriangleQuad::EMPTY; TRIANGLE_QUADS],
     };
 
     /// Builds the hierarchy of `geometry` here. The scratch is needed only during the call.
     ///
     /// # Errors
-    /// [`CapacityError`] where this storage or the scratch is too small; nothing was built then.
+    /// [`CapacityError`] where this storage or the scratch is too small.
     pub fn build(
         &mut self,
         geometry: &Geometry<'_, R>,
         structure: Structure,
         scratch: &mut [BuildItem<R>],
     ) -> Result<Bvh<'_, R>, CapacityError> {
-        let Self { nodes, sphere_quads, triangle_order } = self;
-        build(geometry, structure, BvhSlices { nodes, sphere_quads, triangle_order }, scratch)
+        let Self { nodes, sphere_quads, triangle_quads } = self;
+        build(geometry, structure, BvhSlices { nodes, sphere_quads, triangle_quads }, scratch)
     }
 }

@@ -1,32 +1,35 @@
 //! The triangles whose boxes meet a small box: who else is at a point of a surface.
 
-use super::{Bounds, Bvh, Leaf};
-use crate::real::Real;
+use super::walk::Leaf;
+use super::{Bounds, Bvh};
+use crate::real::{Real, Vec3};
 use crate::shape::Geometry;
 use crate::shape::triangle::bounds;
 
-/// Whether `is_it` holds for the index of any triangle (counted without the spheres) whose own box meets `place`. Those
-/// are asked until one says yes, in an order that depends on the structure.
+/// Whether `is_it` holds for any triangle whose own box meets `place`: its primitive number and its corners. Those are
+/// asked until one says yes, in an order that depends on the structure.
 #[inline(always)]
 pub(crate) fn any_triangle_near<R: Real>(
     geometry: &Geometry<'_, R>,
     bvh: Option<&Bvh<'_, R>>,
     place: &Bounds<R>,
-    mut is_it: impl FnMut(usize) -> bool,
+    mut is_it: impl FnMut(u32, &[Vec3<R>; 3]) -> bool,
 ) -> bool {
     if geometry.triangles().is_empty() {
         return false;
     }
-    let mut is_near = |index: usize| bounds::<R>(&geometry.corners(index)).meets(place) && is_it(index);
+    let mut is_near =
+        |primitive: u32, corners: &[Vec3<R>; 3]| bounds::<R>(corners).meets(place) && is_it(primitive, corners);
     let Some(bvh) = bvh.filter(|bvh| bvh.fits(geometry)) else {
-        return (0..geometry.triangles().len()).any(is_near);
+        let mut triangles = geometry.spheres().len()..geometry.len();
+        return triangles.any(|primitive| is_near(primitive as u32, &geometry.corners(primitive)));
     };
-    let spheres = geometry.spheres().len();
     bvh.walk(
-        |around| around.meets(place),
+        |node| node.meeting(place),
         |leaf| match leaf {
-            Leaf::Triangles(range) => {
-                bvh.triangle_order[range].iter().any(|&primitive| is_near(primitive as usize - spheres))
+            Leaf::Triangles(quads) => {
+                let mut triangles = quads.iter().flat_map(|quad| quad.triangles());
+                triangles.any(|(primitive, corners)| is_near(primitive, &corners))
             }
             Leaf::Spheres(_) => false,
         },

@@ -3,12 +3,14 @@
 //! Both are generic over how primitives are found: all of them, or through a hierarchy. The answer is the same bits
 //! either way; see `Geometry::test_all`.
 
-use super::{Bvh, Leaf, MAX_DEPTH};
+use super::node::{ChildBits, Place, place};
+use super::split::MAX_ROOT_QUADS;
+use super::{Bvh, MAX_WAITING, WIDTH};
 use crate::departure::Departure;
 use crate::effects::EffectSet;
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::Real;
-use crate::shape::{Geometry, PreparedRay};
+use crate::shape::{Geometry, PreparedRay, test_triangles};
 
 /// The closest hit in `tmin < t <= tmax`; of equally close ones the lowest primitive. `bvh` = `None` tests all.
 ///
@@ -49,7 +51,12 @@ pub(crate) fn search<R: Real, E: EffectSet, const ANY: bool>(
         }
         _ if !ray.is_valid() => return None,
         None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray, from), &mut best),
-        Some(bvh) => descend::<R, E, ANY>(geometry, bvh, &PreparedRay::new_in::<E, true>(ray, from), &mut best),
+        Some(bvh) if bvh.nodes.is_empty() => return None,
+        Some(bvh) => {
+            let ray = &PreparedRay::new_in::<E, true>(ray, from);
+            let root = Waiting { near: ray.tmin, child: 0 };
+            best = descend::<R, E, ANY, FEW>(geometry, bvh, ray, &[root], best);
+        }
     }
     (best.primitive != NO_PRIMITIVE).then_some(best)
 }
@@ -57,69 +64,131 @@ pub(crate) fn search<R: Real, E: EffectSet, const ANY: bool>(
 /// Whether all there is are a few spheres in one leaf: a look at its box would cost about as much as they do.
 #[inline(always)]
 fn is_small<R: Real>(bvh: &Bvh<'_, R>) -> bool {
-    bvh.triangle_order.is_empty() && bvh.nodes.len() == 1 && bvh.sphere_quads.len() <= 4
+    bvh.triangle_quads.is_empty() && bvh.nodes.len() == 1 && bvh.sphere_quads.len() <= MAX_ROOT_QUADS
 }
 
+/// A child that waits, with where the ray enters it.
+#[derive(Clone, Copy)]
+struct Waiting<R> {
+    near: R,
+    child: ChildBits,
+}
+
+/// How many children can wait before the search goes on with a stack of full size. Clearing that would take as long as a
+/// few nodes do, and hardly a ray needs it.
+const FEW: usize = 32;
+
+/// The children that wait, the next on top.
+struct Stack<R, const ROOM: usize> {
+    waiting: [Waiting<R>; ROOM],
+    top: usize,
+}
+
+impl<R: Real, const ROOM: usize> Stack<R, ROOM> {
+    #[inline(always)]
+    fn new(waiting: &[Waiting<R>]) -> Self {
+        let mut stack = Self { waiting: [Waiting { near: R::ZERO, child: 0 }; ROOM], top: waiting.len() };
+        stack.waiting[..waiting.len()].copy_from_slice(waiting);
+        stack
+    }
+
+    /// Whether the children of one more node may be too many.
+    #[inline(always)]
+    fn is_full(&self) -> bool {
+        ROOM < MAX_WAITING && self.top + WIDTH > ROOM
+    }
+
+    /// Adds a child below those above `first` that are nearer.
+    #[inline(always)]
+    fn insert(&mut self, first: usize, child: Waiting<R>) {
+        let mut at = self.top;
+        while at > first && self.waiting[at - 1].near < child.near {
+            self.waiting[at] = self.waiting[at - 1];
+            at -= 1;
+        }
+        self.waiting[at] = child;
+        self.top += 1;
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<Waiting<R>> {
+        self.top = self.top.checked_sub(1)?;
+        Some(self.waiting[self.top])
+    }
+}
+
+/// Searches what `waiting` holds, and what lies below.
 #[inline(always)]
-fn descend<R: Real, E: EffectSet, const ANY: bool>(
+fn descend<R: Real, E: EffectSet, const ANY: bool, const ROOM: usize>(
     geometry: &Geometry<'_, R>,
     bvh: &Bvh<'_, R>,
     ray: &PreparedRay<R>,
-    best: &mut Hit<R>,
-) {
-    let Some(mut node) = bvh.nodes.first() else { return };
-    if node.bounds.entry(ray, best.t).is_none() {
-        return;
-    }
-    // Nodes that wait, with where the ray enters them. One waits per level, so the stack cannot overflow.
-    let mut waiting = [(0u32, R::ZERO); MAX_DEPTH];
-    let mut top = 0;
-    loop {
-        if let Some(leaf) = node.leaf() {
-            match leaf {
-                Leaf::Spheres(range) => geometry.test_spheres::<E, ANY, true>(ray, &bvh.sphere_quads[range], best),
-                Leaf::Triangles(range) => geometry.test_triangles::<E, ANY>(ray, &bvh.triangle_order[range], best),
+    waiting: &[Waiting<R>],
+    mut best: Hit<R>,
+) -> Hit<R> {
+    let mut stack = Stack::<R, ROOM>::new(waiting);
+    'pop: while let Some(Waiting { near, mut child }) = stack.pop() {
+        // Not what lies beyond the best hit; what is entered exactly there may hold a lower number.
+        if !ANY && near > best.t {
+            continue;
+        }
+        loop {
+            match place(child, bvh.quads()) {
+                Place::Node(node) => {
+                    if stack.is_full() {
+                        stack.insert(stack.top, Waiting { near: ray.tmin, child });
+                        return descend_deep::<R, E, ANY>(geometry, bvh, *ray, &stack.waiting[..stack.top], best);
+                    }
+                    let node = &bvh.nodes[node];
+                    let (near, mut met) = node.entries(&ray.slabs, ray.tmin, best.t);
+                    if met == 0 {
+                        continue 'pop;
+                    }
+                    let take = |met: &mut u32| {
+                        let lane = met.trailing_zeros() as usize % WIDTH;
+                        *met &= *met - 1;
+                        Waiting { near: near[lane / 4][lane % 4], child: node.child(lane) }
+                    };
+                    // The nearest is next. (What is nearest does not matter to a search for any.)
+                    let mut nearest = take(&mut met);
+                    let first = stack.top;
+                    while met != 0 {
+                        let mut other = take(&mut met);
+                        if !ANY && other.near < nearest.near {
+                            core::mem::swap(&mut other, &mut nearest);
+                        }
+                        stack.insert(if ANY { stack.top } else { first }, other);
+                    }
+                    child = nearest.child;
+                    continue;
+                }
+                Place::Triangles(first, end) => {
+                    test_triangles::<R, E, ANY>(ray, &bvh.triangle_quads[first..end], &mut best);
+                }
+                Place::Spheres(first, end) => {
+                    geometry.test_spheres::<E, ANY, true>(ray, &bvh.sphere_quads[first..end], &mut best);
+                }
             }
             if ANY && best.primitive != NO_PRIMITIVE {
-                return;
+                return best;
             }
-        } else {
-            let left = node.first;
-            let pair = &bvh.nodes[left as usize..left as usize + 2];
-            let entries = (pair[0].bounds.entry(ray, best.t), pair[1].bounds.entry(ray, best.t));
-            match entries {
-                (Some(near_left), Some(near_right)) => {
-                    let right_first = near_right < near_left;
-                    let later = if right_first { (left, near_left) } else { (left + 1, near_right) };
-                    waiting[top] = later;
-                    top += 1;
-                    node = &pair[usize::from(right_first)];
-                    continue;
-                }
-                (Some(_), None) => {
-                    node = &pair[0];
-                    continue;
-                }
-                (None, Some(_)) => {
-                    node = &pair[1];
-                    continue;
-                }
-                (None, None) => {}
-            }
-        }
-        // The next one that waits and is not beyond the best hit; one entered exactly there may hold a lower number.
-        loop {
-            if top == 0 {
-                return;
-            }
-            top -= 1;
-            let (next, near) = waiting[top];
-            if near <= best.t {
-                node = &bvh.nodes[next as usize];
-                break;
-            }
+            break;
         }
     }
+    best
+}
+
+/// The rest of a search in which many wait. The ray by value: in the search before, it need not be in memory.
+#[cold]
+#[inline(never)]
+fn descend_deep<R: Real, E: EffectSet, const ANY: bool>(
+    geometry: &Geometry<'_, R>,
+    bvh: &Bvh<'_, R>,
+    ray: PreparedRay<R>,
+    waiting: &[Waiting<R>],
+    best: Hit<R>,
+) -> Hit<R> {
+    descend::<R, E, ANY, MAX_WAITING>(geometry, bvh, &ray, waiting, best)
 }
 
 #[cfg(test)]

@@ -1,40 +1,44 @@
 //! A walk over all leaves of a hierarchy that may matter, in no order of distance.
 
-use super::{Bounds, Bvh, Leaf, MAX_DEPTH};
+use super::node::{Place, place};
+use super::{Bvh, MAX_WAITING, Node};
+use crate::lanes::set_bits;
 use crate::real::Real;
+use crate::shape::{SphereQuad, TriangleQuad};
 
-impl<R: Real> Bvh<'_, R> {
-    /// Shows `see` the leaves whose own boxes and all boxes around them `matter`, until it says that it has seen enough.
+/// A leaf that a walk comes by.
+pub(crate) enum Leaf<'a, R: Real> {
+    Spheres(&'a [SphereQuad<R>]),
+    Triangles(&'a [TriangleQuad<R>]),
+}
+
+impl<'a, R: Real> Bvh<'a, R> {
+    /// Shows `see` the leaves below nodes whose children `matter` (a bit for each), until it says that it has seen enough.
     /// Whether it has.
     #[inline(always)]
-    pub(crate) fn walk(&self, matters: impl Fn(&Bounds<R>) -> bool, mut see: impl FnMut(Leaf) -> bool) -> bool {
-        let Some(mut node) = self.nodes.first().filter(|root| matters(&root.bounds)) else { return false };
-        // One node waits per level, so the stack cannot overflow.
-        let mut waiting = [0u32; MAX_DEPTH];
+    pub(crate) fn walk(&self, matter: impl Fn(&Node<R>) -> u32, mut see: impl FnMut(Leaf<'a, R>) -> bool) -> bool {
+        let mut waiting = [0u32; MAX_WAITING];
         let mut top = 0;
+        let Some(mut node) = self.nodes.first() else { return false };
         loop {
-            if let Some(leaf) = node.leaf() {
-                if see(leaf) {
+            for lane in set_bits(matter(node)) {
+                waiting[top] = node.child(lane);
+                top += 1;
+            }
+            node = loop {
+                if top == 0 {
+                    return false;
+                }
+                top -= 1;
+                let seen = match place(waiting[top], self.quads()) {
+                    Place::Node(next) => break &self.nodes[next],
+                    Place::Spheres(first, end) => see(Leaf::Spheres(&self.sphere_quads[first..end])),
+                    Place::Triangles(first, end) => see(Leaf::Triangles(&self.triangle_quads[first..end])),
+                };
+                if seen {
                     return true;
                 }
-            } else {
-                let left = node.first;
-                let pair = &self.nodes[left as usize..left as usize + 2];
-                let matter = [matters(&pair[0].bounds), matters(&pair[1].bounds)];
-                if matter[0] || matter[1] {
-                    if matter[0] && matter[1] {
-                        waiting[top] = left + 1;
-                        top += 1;
-                    }
-                    node = &pair[usize::from(!matter[0])];
-                    continue;
-                }
-            }
-            if top == 0 {
-                return false;
-            }
-            top -= 1;
-            node = &self.nodes[waiting[top] as usize];
+            };
         }
     }
 }

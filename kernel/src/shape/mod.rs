@@ -3,18 +3,21 @@
 pub mod sphere;
 mod sphere_quad;
 pub mod triangle;
+mod triangle_quad;
 
 use crate::accuracy::{SphereTest, TriangleTest};
 use crate::bvh::{Bounds, Slabs};
 use crate::departure::Departure;
 use crate::effects::{EffectSet, Effects, Everything};
 use crate::error::GeometryError;
+use crate::lanes::set_bits;
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, widen};
 
 pub use sphere::Sphere;
 pub use sphere_quad::SphereQuad;
 pub use triangle::{Shear, TriangleAttributes};
+pub use triangle_quad::TriangleQuad;
 
 /// Squared lengths of directions between which products of coordinates neither over- nor underflow where it matters:
 /// 2^-80 and 2^80.
@@ -164,18 +167,20 @@ impl<'a, R: Real> Geometry<'a, R> {
         self.positions
     }
 
-    /// Corners of triangle `index` (counted without the spheres), which must be one.
+    /// Corners of primitive `index`, which must be a triangle.
     #[inline]
     pub(crate) fn corners(&self, index: usize) -> [Vec3<R>; 3] {
-        self.triangles[index].map(|corner| self.positions[corner as usize])
+        self.triangles[index - self.spheres.len()].map(|corner| self.positions[corner as usize])
     }
 
-    /// The middle of triangle `index`, a primitive; `None` for a sphere.
+    /// The middle of primitive `index`; `None` for a sphere.
     #[inline]
     pub(crate) fn middle(&self, index: u32) -> Option<Vec3<R>> {
-        let triangle = (index as usize).checked_sub(self.spheres.len())?;
-        let [a, b, c] = self.corners(triangle);
-        Some((a + b + c) * R::from_f64(1.0 / 3.0))
+        let index = index as usize;
+        (index >= self.spheres.len()).then(|| {
+            let [a, b, c] = self.corners(index);
+            (a + b + c) * R::from_f64(1.0 / 3.0)
+        })
     }
 
     /// The box of primitive `index`, which must be one.
@@ -183,7 +188,7 @@ impl<'a, R: Real> Geometry<'a, R> {
     pub(crate) fn bounds(&self, index: usize) -> Bounds<R> {
         match self.spheres.get(index) {
             Some(sphere) => sphere.bounds(),
-            None => triangle::bounds(&self.corners(index - self.spheres.len())),
+            None => triangle::bounds(&self.corners(index)),
         }
     }
 
@@ -203,25 +208,7 @@ impl<'a, R: Real> Geometry<'a, R> {
         }
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
             for index in self.spheres.len()..self.len() {
-                self.test_triangle::<E>(ray, index as u32, best);
-                if ANY && best.primitive != NO_PRIMITIVE {
-                    return;
-                }
-            }
-        }
-    }
-
-    /// [`Geometry::test_all`] for some of the triangles.
-    #[inline(always)]
-    pub(crate) fn test_triangles<E: EffectSet, const ANY: bool>(
-        &self,
-        ray: &PreparedRay<R>,
-        triangles: &[u32],
-        best: &mut Hit<R>,
-    ) {
-        if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
-            for &index in triangles {
-                self.test_triangle::<E>(ray, index, best);
+                test_triangle::<R, E>(ray, index as u32, &self.corners(index), best);
                 if ANY && best.primitive != NO_PRIMITIVE {
                     return;
                 }
@@ -275,7 +262,7 @@ impl<'a, R: Real> Geometry<'a, R> {
                 }
             }
             None if const { E::EFFECTS.contains(Effects::TRIANGLES) } => {
-                let corners = self.corners(at - self.spheres.len());
+                let corners = self.corners(at);
                 if let Some((t, u, v)) = triangle::test::<R, E, true>(&corners, ray, tmax) {
                     let found = Hit { t, u, v, primitive: index };
                     in_box(triangle::bounds(&corners).entry(ray, tmax), found).into_iter().for_each(see);
@@ -300,13 +287,38 @@ impl<'a, R: Real> Geometry<'a, R> {
             }
         }
     }
+}
 
-    #[inline(always)]
-    fn test_triangle<E: EffectSet>(&self, ray: &PreparedRay<R>, index: u32, best: &mut Hit<R>) {
-        let corners = self.corners(index as usize - self.spheres.len());
-        if let Some((t, u, v)) = triangle::test::<R, E, false>(&corners, ray, best.t) {
-            accept(triangle::bounds(&corners).entry(ray, best.t), Hit { t, u, v, primitive: index }, best);
+/// [`Geometry::test_all`] for the triangles of a leaf.
+#[inline(always)]
+pub(crate) fn test_triangles<R: Real, E: EffectSet, const ANY: bool>(
+    ray: &PreparedRay<R>,
+    quads: &[TriangleQuad<R>],
+    best: &mut Hit<R>,
+) {
+    if const { !E::EFFECTS.contains(Effects::TRIANGLES) } {
+        return;
+    }
+    for quad in quads {
+        for lane in set_bits(quad.candidates::<E>(ray)) {
+            let (primitive, corners) = quad.triangle(lane);
+            test_triangle::<R, E>(ray, primitive, &corners, best);
+            if ANY && best.primitive != NO_PRIMITIVE {
+                return;
+            }
         }
+    }
+}
+
+#[inline(always)]
+fn test_triangle<R: Real, E: EffectSet>(
+    ray: &PreparedRay<R>,
+    primitive: u32,
+    corners: &[Vec3<R>; 3],
+    best: &mut Hit<R>,
+) {
+    if let Some((t, u, v)) = triangle::test::<R, E, false>(corners, ray, best.t) {
+        accept(triangle::bounds(corners).entry(ray, best.t), Hit { t, u, v, primitive }, best);
     }
 }
 

@@ -8,6 +8,7 @@ use super::PreparedRay;
 use crate::accuracy::TriangleTest;
 use crate::bvh::Bounds;
 use crate::effects::{EffectSet, Everything};
+use crate::lanes::Numbers;
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, widen};
 use crate::robust::triangle_padding;
 
@@ -26,39 +27,56 @@ pub struct TriangleAttributes {
 #[derive(Clone, Copy, Debug)]
 pub struct Shear<R: Real> {
     /// The axis along which the direction is longest.
-    longest: u8,
-    x: R,
-    y: R,
-    z: R,
+    longest: Axis,
+    pub(super) x: R,
+    pub(super) y: R,
+    pub(super) z: R,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Axis {
+    X,
+    Y,
+    Z,
 }
 
 /// The components of `v` in the order (next, next but one, `longest`).
 #[inline]
-fn permute<R: Real>(v: Vec3<R>, longest: u8) -> [R; 3] {
+fn permute<R: Real>(v: Vec3<R>, longest: Axis) -> [R; 3] {
     match longest {
-        0 => [v.y(), v.z(), v.x()],
-        1 => [v.z(), v.x(), v.y()],
-        _ => [v.x(), v.y(), v.z()],
+        Axis::X => [v.y(), v.z(), v.x()],
+        Axis::Y => [v.z(), v.x(), v.y()],
+        Axis::Z => [v.x(), v.y(), v.z()],
     }
 }
 
 impl<R: Real> Shear<R> {
     /// Stands where no triangle will be tested.
-    pub(super) const NONE: Self = Self { longest: 0, x: R::ZERO, y: R::ZERO, z: R::ZERO };
+    pub(super) const NONE: Self = Self { longest: Axis::Z, x: R::ZERO, y: R::ZERO, z: R::ZERO };
 
     /// The shear of a direction, of which `inverse` holds one over each component.
     #[inline(always)]
     pub(super) fn new(direction: Vec3<R>, inverse: [R; 3]) -> Self {
         let size = direction.abs();
-        let longest: u8 = if size.x() > size.y() {
-            if size.x() > size.z() { 0 } else { 2 }
+        let longest = if size.x() > size.y() {
+            if size.x() > size.z() { Axis::X } else { Axis::Z }
         } else if size.y() > size.z() {
-            1
+            Axis::Y
         } else {
-            2
+            Axis::Z
         };
         let [x, y, z] = permute::<R>(direction, longest);
         Self { longest, x: x / z, y: y / z, z: inverse[longest as usize] }
+    }
+
+    /// The numbers of the axes in the order of [`permute`].
+    #[inline(always)]
+    pub(super) fn axes(&self) -> [usize; 3] {
+        match self.longest {
+            Axis::X => [1, 2, 0],
+            Axis::Y => [2, 0, 1],
+            Axis::Z => [0, 1, 2],
+        }
     }
 }
 
@@ -97,10 +115,13 @@ pub(super) fn test<R: Real, E: EffectSet, const ONCE: bool>(
 ) -> Option<(R, R, R)> {
     let origin = Vec3::<R>::from_array(ray.origin);
     let [t, u, v] = match const { E::ACCURACY.triangle } {
-        TriangleTest::Fast => moller_trumbore(corners, origin, Vec3::<R>::from_array(ray.direction))?,
+        TriangleTest::Fast => {
+            let found = moller_trumbore(corners.map(Vector::to_array), ray.origin, ray.direction, R::ONE);
+            is_inside(found[1], found[2]).then_some(found)?
+        }
         TriangleTest::Narrow => {
-            let edge = |a, b, c, d| a * b - c * d;
-            woop::<ONCE, R, R>(corners.map(|corner| corner - origin), &ray.shear, edge, |x| x)?
+            let to_corners = corners.map(|corner| corner - origin);
+            woop::<ONCE, R, R>(to_corners, &ray.shear, rounded_difference, |x| x)?
         }
         TriangleTest::Watertight => {
             let to_corners = corners.map(|corner| corner - origin);
@@ -131,10 +152,7 @@ fn woop<const ONCE: bool, C: Real, W: Real>(
     wider: impl Fn(C) -> W,
 ) -> Option<[W; 3]> {
     // Each sheared corner depends on that corner and the ray alone.
-    let [a, b, c] = to_corners.map(|corner| {
-        let [x, y, z] = permute::<C>(corner, shear.longest);
-        [x - shear.x * z, y - shear.y * z, z]
-    });
+    let [a, b, c] = to_corners.map(|corner| sheared(permute::<C>(corner, shear.longest), shear.x, shear.y));
     let u = edge(c[0], b[1], c[1], b[0]);
     let v = edge(a[0], c[1], a[1], c[0]);
     let w = edge(b[0], a[1], b[1], a[0]);
@@ -151,8 +169,12 @@ fn woop<const ONCE: bool, C: Real, W: Real>(
     if ONCE && !loop_of_edges.into_iter().all(|(value, from, to)| value != zero || owns(from, to, determinant > zero)) {
         return None;
     }
-    let inverse = W::ONE / determinant;
     let depth = u * wider(a[2]) + v * wider(b[2]) + w * wider(c[2]);
+    // Behind the origin, as t would say, but without the division: rays that leave a mesh find it there most often.
+    if (depth < zero) ^ (shear.z < C::ZERO) ^ (determinant < zero) {
+        return None;
+    }
+    let inverse = W::ONE / determinant;
     Some([depth * inverse * wider(shear.z), v * inverse, w * inverse])
 }
 
@@ -165,17 +187,35 @@ fn owns<C: Real>(from: [C; 3], to: [C; 3], positive: bool) -> bool {
     to[1] > from[1] || (to[1] == from[1] && to[0] < from[0])
 }
 
-/// `[t, u, v]`; written so that a NaN misses.
+/// A corner, seen from the ray's origin and with its axes permuted, after the shear. Of one triangle or of several.
 #[inline(always)]
-fn moller_trumbore<R: Real>(corners: &[Vec3<R>; 3], origin: Vec3<R>, d: Vec3<R>) -> Option<[R; 3]> {
-    let [ab, ac] = [corners[1] - corners[0], corners[2] - corners[0]];
-    let p = d.cross(ac);
-    let inverse = R::ONE / ab.dot(p);
-    let from_a = origin - corners[0];
-    let u = from_a.dot(p) * inverse;
-    let q = from_a.cross(ab);
-    let v = d.dot(q) * inverse;
-    (u >= R::ZERO && v >= R::ZERO && u + v <= R::ONE).then(|| [ac.dot(q) * inverse, u, v])
+pub(super) fn sheared<T: Numbers>([x, y, z]: [T; 3], shear_x: T, shear_y: T) -> [T; 3] {
+    [x - shear_x * z, y - shear_y * z, z]
+}
+
+/// `a b - c d` with the roundings of both products.
+#[inline(always)]
+pub(super) fn rounded_difference<R: Real>(a: R, b: R, c: R, d: R) -> R {
+    a * b - c * d
+}
+
+/// `[t, u, v]` of the line and the plane of a triangle, or of several.
+#[inline(always)]
+pub(super) fn moller_trumbore<T: Numbers>([a, b, c]: [[T; 3]; 3], origin: [T; 3], d: [T; 3], one: T) -> [T; 3] {
+    let less = |p: [T; 3], q: [T; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let dot = |p: [T; 3], q: [T; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    let cross =
+        |p: [T; 3], q: [T; 3]| [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+    let (ab, ac, from_a) = (less(b, a), less(c, a), less(origin, a));
+    let (p, q) = (cross(d, ac), cross(from_a, ab));
+    let inverse = one / dot(ab, p);
+    [dot(ac, q) * inverse, dot(from_a, p) * inverse, dot(d, q) * inverse]
+}
+
+/// Whether these are weights of a point of the triangle; not where one is NaN.
+#[inline(always)]
+pub(super) fn is_inside<R: Real>(u: R, v: R) -> bool {
+    (u >= R::ZERO) & (v >= R::ZERO) & (u + v <= R::ONE)
 }
 
 /// A normal to the front, as long as twice the area; zero where there is none. In the wide precision, which needles

@@ -1,10 +1,12 @@
 //! The builder on any spheres and triangles: the hierarchy keeps its promises, and changes no bit of an answer.
 
+use std::collections::BTreeSet;
+
 use crate::numbers::{AnyRay, Float, Number, vector};
 use arbitrary::{Arbitrary, Result, Unstructured};
-use ocellus_kernel::bvh::{self, BuildItem, Bvh, BvhSlices, Leaf, MAX_DEPTH, Node, Structure, required_nodes};
+use ocellus_kernel::bvh::{self, BuildItem, Bvh, BvhSlices, Child, MAX_DEPTH, Node, Structure, required_nodes};
 use ocellus_kernel::real::{Real, Vec3, Vector};
-use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad};
+use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleQuad};
 use ocellus_kernel::{Everything, Hit, Ray};
 
 /// Enough for several levels, few enough for thousands of scenes a second.
@@ -89,10 +91,10 @@ fn check_in<R: Float>(case: &Case) {
     for structure in [Structure::Box, Structure::Bvh] {
         let mut nodes = vec![Node::EMPTY; structure.required_nodes(&geometry)];
         let mut sphere_quads = vec![SphereQuad::EMPTY; spheres.len()];
-        let mut triangle_order = vec![0; triangles.len()];
+        let mut triangle_quads = vec![TriangleQuad::EMPTY; triangles.len()];
         let mut scratch = vec![BuildItem::EMPTY; geometry.len()];
         let slices =
-            BvhSlices { nodes: &mut nodes, sphere_quads: &mut sphere_quads, triangle_order: &mut triangle_order };
+            BvhSlices { nodes: &mut nodes, sphere_quads: &mut sphere_quads, triangle_quads: &mut triangle_quads };
         let bvh = bvh::build(&geometry, structure, slices, &mut scratch).expect("room for all");
         check_hierarchy(&geometry, &bvh);
         for (ray, expected) in rays.iter().zip(&expected) {
@@ -125,26 +127,28 @@ fn answer<R: Real>(geometry: &Geometry<'_, R>, bvh: Option<&Bvh<'_, R>>, ray: &R
 
 /// Every primitive is in one leaf, no deeper than traversal has a stack for.
 fn check_hierarchy<R: Real>(geometry: &Geometry<'_, R>, bvh: &Bvh<'_, R>) {
-    assert!(bvh.nodes().len() <= required_nodes(geometry.len()).max(3));
+    assert!(bvh.nodes().len() <= required_nodes(geometry.len()));
     let mut times = vec![0; geometry.len()];
     let mut visited = 0;
-    let mut waiting = if bvh.nodes().is_empty() { vec![] } else { vec![(0, 0)] };
+    let mut waiting = if bvh.nodes().is_empty() { vec![] } else { vec![(0, 1)] };
     while let Some((at, depth)) = waiting.pop() {
         assert!(depth <= MAX_DEPTH, "{depth}");
         visited += 1;
         let node = &bvh.nodes()[at];
-        waiting.extend(node.children().into_iter().flatten().map(|child| (child, depth + 1)));
-        let primitives: Vec<u32> = match node.leaf() {
-            None => continue,
-            Some(Leaf::Triangles(range)) => bvh.triangle_order()[range].to_vec(),
-            Some(Leaf::Spheres(range)) => {
-                let quads = bvh.sphere_quads()[range].iter();
-                let mut primitives: Vec<u32> = quads.flat_map(|quad| *quad.primitives()).collect();
-                primitives.truncate(node.primitives());
-                primitives
-            }
-        };
-        primitives.iter().for_each(|&primitive| times[primitive as usize] += 1);
+        for (lane, child) in bvh.children(node).enumerate() {
+            let primitives: BTreeSet<u32> = match child {
+                Child::Node(child) => {
+                    waiting.push((child, depth + 1));
+                    continue;
+                }
+                Child::Triangles(range) => {
+                    bvh.triangle_quads()[range].iter().flat_map(|quad| quad.triangles()).map(|found| found.0).collect()
+                }
+                Child::Spheres(range) => bvh.sphere_quads()[range].iter().flat_map(|quad| *quad.primitives()).collect(),
+            };
+            assert_eq!(primitives.len(), node.primitives(lane));
+            primitives.iter().for_each(|&primitive| times[primitive as usize] += 1);
+        }
     }
     assert_eq!(visited, bvh.nodes().len());
     assert!(times.iter().all(|&times| times == 1), "a primitive is not in exactly one leaf: {times:?}");

@@ -138,7 +138,7 @@ pub fn four_spheres<R: Real>(queries: u32) -> u64 {
         let target = near(numbers, &spheres[0]);
         let ray = ray::<R>(numbers, target);
         let geometry = Geometry::new(&spheres, &[], &[]).expect("spheres");
-        let mut storage = BvhStorage::<R, 7, 4, 0>::EMPTY;
+        let mut storage = BvhStorage::<R, 1, 4, 0>::EMPTY;
         let bvh = storage.build(&geometry, Structure::Bvh, &mut [BuildItem::EMPTY; 4]).expect("room");
         let hit = intersect::<R, Everything>(&geometry, Some(&bvh), &ray);
         hash.integer(u64::from(hit.map_or(u32::MAX, |hit| hit.primitive)));

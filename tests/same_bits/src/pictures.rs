@@ -84,7 +84,7 @@ pub fn balls_through_a_lens<R: Real>(_queries: u32) -> u64 {
         sphere([2.0, 4.0, 3.0], 0.7, 3, false),
     ];
     let geometry = Geometry::new(&spheres, &[], &[]).expect("a geometry");
-    let mut storage = BvhStorage::<R, 13, 7, 0>::EMPTY;
+    let mut storage = BvhStorage::<R, 1, 7, 0>::EMPTY;
     let bvh = storage.build(&geometry, Structure::Bvh, &mut [BuildItem::EMPTY; 7]).expect("room");
     let scene = Scene::new(SceneParts {
         geometry,
@@ -126,7 +126,7 @@ pub fn textured_mesh_in_the_sky<R: Real>(_queries: u32) -> u64 {
         _ => TriangleAttributes { normals: None, uvs: None, material: 1 },
     });
     let geometry = Geometry::new(&[], &positions, &TRIANGLES).expect("a geometry");
-    let mut storage = BvhStorage::<R, 19, 0, 10>::EMPTY;
+    let mut storage = BvhStorage::<R, 2, 0, 10>::EMPTY;
     let bvh = storage.build(&geometry, Structure::Bvh, &mut [BuildItem::EMPTY; 10]).expect("room");
     let point =
         PointLight { position: vec3_from_f64::<R>([2.0, 3.0, 4.0]), intensity: vec3_from_f64::<R>([20.0, 18.0, 15.0]) };

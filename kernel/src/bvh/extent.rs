@@ -1,0 +1,72 @@
+//! What the builder knows of a primitive, in a form that boxes grow in four lanes at a time.
+
+use super::Bounds;
+use crate::lanes::{Lanes, Numbers};
+use crate::real::Real;
+
+/// A box, its fourth lane unused.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent<R: Real> {
+    pub(super) low: R::Lanes,
+    pub(super) high: R::Lanes,
+}
+
+impl<R: Real> Extent<R> {
+    pub(super) const EMPTY: Self = Self { low: R::Lanes::MAX, high: R::Lanes::LOWEST };
+
+    pub(super) fn new(bounds: &Bounds<R>) -> Self {
+        let [[x, y, z], [high_x, high_y, high_z]] = bounds.corners;
+        Self { low: R::Lanes::new([x, y, z, R::ZERO]), high: R::Lanes::new([high_x, high_y, high_z, R::ZERO]) }
+    }
+
+    pub(super) fn bounds(&self) -> Bounds<R> {
+        let [low, high] = [self.low, self.high].map(|corner| {
+            let [x, y, z, _] = corner.to_array();
+            [x, y, z]
+        });
+        Bounds { corners: [low, high] }
+    }
+
+    /// The smallest box around both. NaN changes nothing.
+    #[inline(always)]
+    pub(super) fn union(&self, other: &Self) -> Self {
+        Self { low: self.low.lesser(other.low), high: self.high.greater(other.high) }
+    }
+
+    /// Half the surface area, scene units squared; 0 for an empty box.
+    #[inline(always)]
+    pub(super) fn half_area(&self) -> f64 {
+        let [dx, dy, dz, _] = (self.high - self.low).to_array();
+        if dx < R::ZERO || dy < R::ZERO || dz < R::ZERO { 0.0 } else { (dx * dy + dy * dz + dz * dx).to_f64() }
+    }
+}
+
+/// Scratch of the builder: one per primitive.
+#[derive(Clone, Copy, Debug)]
+pub struct BuildItem<R: Real> {
+    pub(super) extent: Extent<R>,
+    pub(super) primitive: u32,
+}
+
+impl<R: Real> BuildItem<R> {
+    /// An item of a scratch that holds nothing yet.
+    pub const EMPTY: Self = Self { extent: Extent::EMPTY, primitive: 0 };
+
+    /// Twice the centre of the box: as good a key as the centre.
+    #[inline(always)]
+    pub(super) fn keys(&self) -> R::Lanes {
+        self.extent.low + self.extent.high
+    }
+}
+
+/// The box around all items, and that around their keys.
+pub(super) fn around<R: Real>(items: &[BuildItem<R>]) -> [Extent<R>; 2] {
+    items.iter().fold([Extent::EMPTY; 2], |[bounds, keys], item| grown(&bounds, &keys, item))
+}
+
+/// Both boxes with one more item.
+#[inline(always)]
+pub(super) fn grown<R: Real>(bounds: &Extent<R>, keys: &Extent<R>, item: &BuildItem<R>) -> [Extent<R>; 2] {
+    let key = item.keys();
+    [bounds.union(&item.extent), keys.union(&Extent { low: key, high: key })]
+}

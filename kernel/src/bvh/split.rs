@@ -1,0 +1,209 @@
+//! Where to cut a range of primitives in two: binned surface area heuristic (Wald 2007).
+
+use super::extent::{BuildItem, Extent, around, grown};
+use super::node::MAX_LEAF_QUADS;
+use crate::lanes::Lanes;
+use crate::real::Real;
+
+/// Most bins along an axis; fewer primitives need fewer.
+const MAX_BINS: usize = 32;
+/// Cost of telling two children apart, in tests of a quad.
+const VISIT_COST: f64 = 1.5;
+/// Spheres of up to this many quads, where there is nothing else, are one leaf.
+pub(super) const MAX_ROOT_QUADS: usize = 4;
+
+/// Neighbouring items, all of one kind of primitive.
+#[derive(Clone, Copy)]
+pub(super) struct Part<R: Real> {
+    pub(super) first: usize,
+    pub(super) count: usize,
+    /// The box around them, and that around their keys.
+    pub(super) bounds: Extent<R>,
+    keys: Extent<R>,
+    /// Whether it has been found best to keep it whole.
+    pub(super) is_leaf: bool,
+}
+
+/// How parts are cut.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cut {
+    /// Where it costs least.
+    Best,
+    /// In halves, where depth is running out.
+    Halves,
+}
+
+/// How many quads `count` primitives fill.
+pub(super) const fn quads(count: usize) -> usize {
+    count.div_ceil(4)
+}
+
+impl<R: Real> Part<R> {
+    pub(super) const EMPTY: Self =
+        Self { first: 0, count: 0, bounds: Extent::EMPTY, keys: Extent::EMPTY, is_leaf: true };
+
+    pub(super) fn new(items: &[BuildItem<R>], first: usize, count: usize) -> Self {
+        let [bounds, keys] = around(&items[first..first + count]);
+        Self { first, count, bounds, keys, is_leaf: quads(count) <= 1 }
+    }
+
+    /// Cuts it in two, each in its place; the other half is returned. `None` where a leaf is better.
+    pub(super) fn split(&mut self, items: &mut [BuildItem<R>], cut: Cut, filled: &mut Filled<R>) -> Option<Self> {
+        let range = &mut items[self.first..self.first + self.count];
+        let is_too_large = quads(self.count) > MAX_LEAF_QUADS;
+        let plane = if cut == Cut::Best { best_plane(range, &self.keys, filled) } else { None };
+        let whole = *self;
+        let right = match plane {
+            Some(plane) => {
+                let cost = VISIT_COST + plane.cost / whole.bounds.half_area();
+                if !is_too_large && !(cost < quads(self.count) as f64) {
+                    self.is_leaf = true;
+                    return None;
+                }
+                self.partition(range, &plane)
+            }
+            None if is_too_large || cut == Cut::Halves => {
+                halve(range, &self.keys);
+                let middle = whole.count / 2;
+                *self = Self::new(items, whole.first, middle);
+                Self::new(items, whole.first + middle, whole.count - middle)
+            }
+            None => {
+                self.is_leaf = true;
+                return None;
+            }
+        };
+        Some(right)
+    }
+
+    /// Moves the items that belong left to the front, and keeps those; the rest is returned.
+    fn partition(&mut self, items: &mut [BuildItem<R>], plane: &Plane<R>) -> Self {
+        let whole = *self;
+        let empty = [Extent::EMPTY; 2];
+        let (mut left, mut right) = (empty, empty);
+        let (mut at, mut end) = (0, items.len());
+        while at < end {
+            let item = items[at];
+            if plane.is_left(&item) {
+                left = grown(&left[0], &left[1], &item);
+                at += 1;
+            } else {
+                right = grown(&right[0], &right[1], &item);
+                end -= 1;
+                items.swap(at, end);
+            }
+        }
+        let part = |first: usize, count: usize, [bounds, keys]: [Extent<R>; 2]| Self {
+            first,
+            count,
+            bounds,
+            keys,
+            is_leaf: quads(count) <= 1,
+        };
+        *self = part(whole.first, at, left);
+        part(whole.first + at, whole.count - at, right)
+    }
+}
+
+/// Where to cut, and what it costs: areas times costs.
+#[derive(Clone, Copy)]
+struct Plane<R: Real> {
+    bins: Bins<R>,
+    axis: usize,
+    last_left: usize,
+    cost: f64,
+}
+
+impl<R: Real> Plane<R> {
+    /// Whether its bin is left of the plane.
+    #[inline(always)]
+    fn is_left(&self, item: &BuildItem<R>) -> bool {
+        let place = self.bins.places(item).to_array()[self.axis];
+        // Written so that keys that are no numbers go left, as into the first bin.
+        !(place >= R::from_f64((self.last_left + 1) as f64))
+    }
+}
+
+/// Bins of equal width along each axis.
+#[derive(Clone, Copy)]
+struct Bins<R: Real> {
+    count: usize,
+    low: R::Lanes,
+    scale: R::Lanes,
+}
+
+impl<R: Real> Bins<R> {
+    /// Where an item lies along each axis, in bins.
+    #[inline(always)]
+    fn places(&self, item: &BuildItem<R>) -> R::Lanes {
+        (item.keys() - self.low) * self.scale
+    }
+
+    /// The bin of an item along each axis; keys that are not numbers go first.
+    #[inline(always)]
+    fn of(&self, item: &BuildItem<R>) -> [usize; 4] {
+        let places = self.places(item);
+        let last = self.count as i32 - 1;
+        places.to_array().map(|place| place.to_i32().clamp(0, last) as usize)
+    }
+}
+
+/// What is in each bin of each axis. One for all splits, so that those of few primitives need not clear all bins.
+pub(super) struct Filled<R: Real>([[(Extent<R>, usize); 3]; MAX_BINS]);
+
+impl<R: Real> Filled<R> {
+    pub(super) const EMPTY: Self = Self([[(Extent::EMPTY, 0); 3]; MAX_BINS]);
+}
+
+/// The cheapest of the planes between bins; `None` where all keys fall into one bin on every axis.
+fn best_plane<R: Real>(items: &[BuildItem<R>], keys: &Extent<R>, filled: &mut Filled<R>) -> Option<Plane<R>> {
+    let count = (8 + items.len() / 16).min(MAX_BINS);
+    let extent = keys.high - keys.low;
+    let scale = extent.to_array().map(|extent| {
+        let scale = R::from_f64(count as f64) / extent;
+        if extent > R::ZERO && scale.is_finite() { scale } else { R::ZERO }
+    });
+    let bins = Bins { count, low: keys.low, scale: R::Lanes::new(scale) };
+    let filled = &mut filled.0[..count];
+    filled.fill([(Extent::EMPTY, 0); 3]);
+    for item in items {
+        let [x, y, z, _] = bins.of(item);
+        for (axis, bin) in [x, y, z].into_iter().enumerate() {
+            let (bounds, held) = &mut filled[bin][axis];
+            *bounds = bounds.union(&item.extent);
+            *held += 1;
+        }
+    }
+    let mut best: Option<Plane<R>> = None;
+    for axis in (0..3).filter(|&axis| scale[axis] > R::ZERO) {
+        // Costs of what lies right of each plane, then a sweep from the left.
+        let mut right_costs = [0.0; MAX_BINS];
+        let (mut bounds, mut held) = (Extent::EMPTY, 0);
+        for bin in (1..count).rev() {
+            bounds = bounds.union(&filled[bin][axis].0);
+            held += filled[bin][axis].1;
+            right_costs[bin - 1] = bounds.half_area() * quads(held) as f64;
+        }
+        let (mut bounds, mut held) = (Extent::EMPTY, 0);
+        for bin in 0..count - 1 {
+            bounds = bounds.union(&filled[bin][axis].0);
+            held += filled[bin][axis].1;
+            let cost = bounds.half_area() * quads(held) as f64 + right_costs[bin];
+            if held > 0 && held < items.len() && best.is_none_or(|best| cost < best.cost) {
+                best = Some(Plane { bins, axis, last_left: bin, cost });
+            }
+        }
+    }
+    best.filter(|best| best.cost < f64::MAX)
+}
+
+/// Puts the items below the median of the longest axis first; primitive numbers break ties, so the result is defined.
+fn halve<R: Real>(items: &mut [BuildItem<R>], keys: &Extent<R>) {
+    let extent = (keys.high - keys.low).to_array();
+    let axis = (1..3).fold(0, |longest, axis| if extent[axis] > extent[longest] { axis } else { longest });
+    let middle = items.len() / 2;
+    items.select_nth_unstable_by(middle, |a, b| {
+        let [key_a, key_b] = [a, b].map(|item| item.keys().to_array()[axis].to_f64());
+        key_a.total_cmp(&key_b).then(a.primitive.cmp(&b.primitive))
+    });
+}

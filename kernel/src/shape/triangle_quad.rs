@@ -1,0 +1,153 @@
+//! Four triangles at once: which of them a ray may hit, by the same formulas that decide for each.
+
+use super::PreparedRay;
+use super::triangle::{Shear, moller_trumbore, sheared};
+use crate::accuracy::TriangleTest;
+use crate::effects::EffectSet;
+use crate::lanes::Lanes;
+use crate::ray::NO_PRIMITIVE;
+use crate::real::{Real, Vec3, Vector};
+use crate::robust::gamma;
+
+/// Up to four triangles of a leaf, side by side. 160 bytes in f32.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct TriangleQuad<R: Real> {
+    /// Coordinates by axis and corner, scene units; NaN where there is no triangle.
+    corners: [[R::Lanes; 3]; 3],
+    /// Primitive numbers; [`NO_PRIMITIVE`] where there is none.
+    primitives: [u32; 4],
+}
+
+impl<R: Real> TriangleQuad<R> {
+    /// One without triangles.
+    pub const EMPTY: Self = Self { corners: [[R::Lanes::NAN; 3]; 3], primitives: [NO_PRIMITIVE; 4] };
+
+    /// Puts a triangle into a lane.
+    pub(crate) fn set(&mut self, lane: usize, primitive: u32, corners: &[Vec3<R>; 3]) {
+        self.primitives[lane] = primitive;
+        for (corner, position) in corners.iter().enumerate() {
+            for (axis, value) in position.to_array().into_iter().enumerate() {
+                let mut four = self.corners[axis][corner].to_array();
+                four[lane] = value;
+                self.corners[axis][corner] = R::Lanes::new(four);
+            }
+        }
+    }
+
+    /// Primitive numbers and corners of its triangles.
+    pub fn triangles(&self) -> impl Iterator<Item = (u32, [Vec3<R>; 3])> {
+        (0..4).map(|lane| self.triangle(lane)).filter(|(primitive, _)| *primitive != NO_PRIMITIVE)
+    }
+
+    #[inline(always)]
+    pub(crate) fn triangle(&self, lane: usize) -> (u32, [Vec3<R>; 3]) {
+        let coordinate = |axis: usize, k: usize| self.corners[axis][k].to_array()[lane];
+        let corner = |k: usize| Vector::new(coordinate(0, k), coordinate(1, k), coordinate(2, k));
+        (self.primitives[lane], [corner(0), corner(1), corner(2)])
+    }
+
+    /// Bit k is set unless the ray misses triangle k, however far it goes. (It may be set for some that it hardly misses.)
+    #[inline(always)]
+    pub(crate) fn candidates<E: EffectSet>(&self, ray: &PreparedRay<R>) -> u32 {
+        match const { E::ACCURACY.triangle } {
+            TriangleTest::Fast => self.met_by_moller_trumbore(ray),
+            TriangleTest::Narrow | TriangleTest::Watertight => self.met(&ray.shear, ray.origin, |corners| corners),
+            TriangleTest::Wide => self.met(&ray.wide_shear, ray.wide_origin.to_array(), |corners| {
+                <R::Wide as Real>::Lanes::new(corners.to_array().map(R::widen))
+            }),
+        }
+    }
+
+    /// A triangle is met where none of its three differences of products is negative, or none is positive. Rounding keeps
+    /// order: where the rounded products differ the exact ones do, and in the same sense. So the signs that are found here
+    /// are those of exact products, except where rounded ones are equal: those count as both.
+    #[inline(always)]
+    fn met<C: Real>(&self, shear: &Shear<C>, origin: [C; 3], convert: impl Fn(R::Lanes) -> C::Lanes) -> u32 {
+        let [x, y, z] = shear.axes();
+        let [shear_x, shear_y] = [shear.x, shear.y].map(C::Lanes::splat);
+        let origin = origin.map(C::Lanes::splat);
+        let corner = |k: usize| {
+            let from_origin = |axis: usize| convert(self.corners[axis][k]) - origin[axis];
+            sheared([from_origin(x), from_origin(y), from_origin(z)], shear_x, shear_y)
+        };
+        let ([ax, ay, az], [bx, by, bz], [cx, cy, cz]) = (corner(0), corner(1), corner(2));
+        let products = [(cx * by, cy * bx), (ax * cy, ay * cx), (bx * ay, by * ax)];
+        let back = C::Lanes::all_at_most(products);
+        let front = C::Lanes::all_at_most(products.map(|(p, q)| (q, p)));
+        if back | front == 0 {
+            return 0;
+        }
+        let depth = Depth::<C>::of(products, [az, bz, cz]);
+        let (plus, minus) = if shear.z < C::ZERO { (back, front) } else { (front, back) };
+        (plus & depth.at_least_zero()) | (minus & depth.at_most_zero())
+    }
+
+    #[inline(always)]
+    fn met_by_moller_trumbore(&self, ray: &PreparedRay<R>) -> u32 {
+        let corner = |k: usize| [self.corners[0][k], self.corners[1][k], self.corners[2][k]];
+        let [origin, direction] = [ray.origin, ray.direction].map(|v| v.map(R::Lanes::splat));
+        let (zero, one) = (R::Lanes::ZERO, R::Lanes::splat(R::ONE));
+        let [_, u, v] = moller_trumbore([corner(0), corner(1), corner(2)], origin, direction, one);
+        R::Lanes::all_at_most([(zero, u), (zero, v), (u + v, one)])
+    }
+}
+
+/// The sum of three differences of products, each times a number: how far off a triangle is, times its size.
+struct Depth<C: Real> {
+    sum: C::Lanes,
+    /// What it may be off by.
+    error: C::Lanes,
+}
+
+impl<C: Real> Depth<C> {
+    /// A difference of rounded products is off by 2 u of both products and by u of itself; its product and the sums by 3 u
+    /// more: together at most `gamma(6)` of the magnitudes of all products, whose sum here takes five roundings. Where
+    /// numbers are so small that rounding is no longer relative, `MIN_POSITIVE` covers what it adds.
+    #[inline(always)]
+    fn of(products: [(C::Lanes, C::Lanes); 3], factors: [C::Lanes; 3]) -> Self {
+        let least = C::Lanes::splat(C::MIN_POSITIVE);
+        let [(a, b), (c, d), (e, f)] = products;
+        let [x, y, z] = factors;
+        let sum = (a - b) * x + (c - d) * y + (e - f) * z;
+        let magnitude = |p: C::Lanes, q: C::Lanes, factor: C::Lanes| (p.abs() + q.abs() + least) * factor.abs();
+        let magnitudes = magnitude(a, b, x) + magnitude(c, d, y) + magnitude(e, f, z);
+        Self { sum, error: magnitudes * C::Lanes::splat(gamma::<C>(12)) + least }
+    }
+
+    /// A bit for each lane in which the exact sum may be zero or more; also where something is not a number.
+    #[inline(always)]
+    fn at_least_zero(&self) -> u32 {
+        !C::Lanes::both_greater([[(C::Lanes::ZERO - self.error, self.sum); 2]])
+    }
+
+    /// A bit for each lane in which the exact sum may be zero or less; also where something is not a number.
+    #[inline(always)]
+    fn at_most_zero(&self) -> u32 {
+        !C::Lanes::both_greater([[(self.sum, self.error); 2]])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Everything;
+    use crate::ray::Ray;
+    use glam::Vec3 as V;
+
+    #[test]
+    fn misses_and_empty_lanes_are_no_candidates() {
+        let [a, b, c] = [V::new(0.0, 0.0, -4.0), V::new(2.0, 0.0, -4.0), V::new(0.0, 2.0, -4.0)];
+        let mut quad = TriangleQuad::<f32>::EMPTY;
+        assert_eq!(quad.triangles().count(), 0);
+        quad.set(1, 7, &[a, b, c]);
+        quad.set(2, 9, &[a, c, b].map(|corner| corner + V::X));
+        assert!(quad.triangles().eq([quad.triangle(1), quad.triangle(2)]));
+        for (x, found) in [(-0.1, 0b000), (0.5, 0b010), (1.0, 0b110), (1.25, 0b110), (2.5, 0b100), (3.5, 0)] {
+            for (z, along, found) in [(0.0, -1.0, found), (-8.0, 1.0, found), (0.0, 1.0, 0), (-8.0, -1.0, 0)] {
+                let ray = Ray::<f32>::new(V::new(x, 0.5, z), V::new(0.0, 0.0, along));
+                assert_eq!(quad.candidates::<Everything>(&PreparedRay::new(&ray)), found, "{x} {z} {along}");
+            }
+        }
+    }
+}
