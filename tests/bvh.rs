@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use ocellus_kernel::bvh::{Bounds, BuildItem, Bvh, BvhStorage, Child, MAX_DEPTH, Structure, required_nodes};
+use ocellus_kernel::bvh::{Bounds, Branch, BuildItem, Bvh, BvhStorage, Child, MAX_DEPTH, Structure, required_nodes};
 use ocellus_kernel::error::{Capacity, CapacityError};
 use ocellus_kernel::real::{Real, Vec3, Vector};
 use ocellus_kernel::shape::{Geometry, triangle};
@@ -176,12 +176,11 @@ fn check_hierarchy<R: Real>(scene: &Scene<'_, R>, bvh: &Bvh<'_, R>) -> usize {
         let node = &bvh.nodes()[at];
         deepest = deepest.max(depth);
         visited += 1;
-        for (lane, child) in bvh.children(node).enumerate() {
-            let own = node.bounds(lane);
-            assert!(holds(&around, &own), "child {lane} of node {at} sticks out of it");
+        for Branch { bounds: own, primitives: count, child } in bvh.children(node) {
+            assert!(holds(&around, &own), "{child:?} of node {at} sticks out of it");
             let primitives: BTreeSet<u32> = match child {
                 Child::Node(child) => {
-                    assert_eq!(node.primitives(lane), 0);
+                    assert_eq!(count, 0);
                     waiting.push((child, depth + 1, own));
                     continue;
                 }
@@ -198,7 +197,7 @@ fn check_hierarchy<R: Real>(scene: &Scene<'_, R>, bvh: &Bvh<'_, R>) -> usize {
                 }
                 Child::Spheres(range) => bvh.sphere_quads()[range].iter().flat_map(|quad| *quad.primitives()).collect(),
             };
-            assert_eq!(primitives.len(), node.primitives(lane));
+            assert_eq!(primitives.len(), count);
             for primitive in primitives {
                 times[primitive as usize] += 1;
                 assert!(holds(&own, &bounds(geometry, primitive as usize)), "{primitive} sticks out of node {at}");

@@ -20,6 +20,7 @@ in_both_precisions!(
     rays_that_leave_a_convex_mesh_meet_nothing,
     rays_that_leave_spheres_among_others_never_meet_them,
     nothing_leaves_a_box_as_thin_as_64_ulps,
+    a_hit_infinitely_far_along_the_ray_is_left,
 );
 
 /// Paths in one scene: many, so that its hierarchy is worth building.
@@ -208,4 +209,25 @@ fn nothing_leaves_a_box_as_thin_as_64_ulps<R: Real>() {
         let ray = ray_in_box::<R>(random, scene.geometry().positions());
         Some(light(scene, 3, ray, sample) == 0.0)
     });
+}
+
+/// A direction so short that t is infinite: then all of space may be near the hit, the lanes of a node that hold no child
+/// included.
+fn a_hit_infinitely_far_along_the_ray_is_left<R: Real>() {
+    let short = if R::WIDE_IS_SELF { 1e-300 } else { 1e-30 };
+    let size = if R::WIDE_IS_SELF { 1e100 } else { 1e10 };
+    let mut scene = OwnedScene::<R>::default();
+    let grey = scene.diffuse(0.5, 0.0);
+    let corners = [[-1.0, -1.0, -1.0], [2.0, -1.0, -1.0], [-1.0, 2.0, -1.0]];
+    let positions = corners.map(|corner| corner.map(|x| x * size)).to_vec();
+    scene.mesh(&Mesh { positions, triangles: vec![[0, 1, 2]] }, grey);
+    let ray = Ray { tmax: R::ONE / R::ZERO, ..Ray::new(v::<R>([0.0; 3]), v::<R>([0.0, 0.0, -short])) };
+    let options = PathOptions { max_bounces: 2, ..PathOptions::default() };
+    for structure in STRUCTURES {
+        scene.lend(structure, |scene| {
+            assert!(scene.intersect(&ray).is_some_and(|hit| !hit.t.is_finite()), "{structure:?}");
+            let mut numbers = AddressedSampler::new(1, 0, 0, 0);
+            radiance::<R, Everything>(scene, &options, ray, &mut numbers);
+        });
+    }
 }

@@ -108,7 +108,7 @@ pub fn with_view<R: Real, T>(
             let [spheres, triangles] = plan.required_quads();
             sphere_quads.resize(spheres, SphereQuad::EMPTY);
             triangle_quads.resize(triangles, TriangleQuad::EMPTY);
-            Some(plan.fill(&geometry, &mut sphere_quads, &mut triangle_quads).map_err(too_small)?)
+            Some(plan.fill(&mut sphere_quads, &mut triangle_quads).map_err(too_small)?)
         }
     };
 

@@ -45,7 +45,8 @@ pub trait Lanes<R>: Numbers + Debug + PartialEq + Send + Sync + 'static {
 impl Numbers for glam::Vec4 {
     #[inline(always)]
     fn lesser(self, other: Self) -> Self {
-        // With SSE the smaller of two is what it is here; elsewhere NaN and -0 may go other ways.
+        // With SSE the smaller of two is what it is here; elsewhere NaN and -0 may go other ways. (No bit of a hit comes
+        // from lanes: they only leave out what cannot be one.)
         if cfg!(target_feature = "sse2") { other.min(self) } else { Self::select(other.cmplt(self), other, self) }
     }
 

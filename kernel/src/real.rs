@@ -75,7 +75,7 @@ pub trait Real:
     fn abs(self) -> Self;
     /// Largest integer not above; exact.
     fn floor(self) -> Self;
-    /// The nearest i32, clamped to its range; NaN gives 0.
+    /// The integer part, clamped to the range of i32; NaN gives 0.
     fn to_i32(self) -> i32;
     /// This magnitude with the sign bit of `sign`.
     fn copysign(self, sign: Self) -> Self;

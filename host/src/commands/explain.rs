@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use ocellus_kernel::bvh::{Bounds, Bvh, Child};
+use ocellus_kernel::bvh::{Bounds, Branch, Bvh, Child};
 use ocellus_kernel::{Effects, Pixel, Real, View};
 use serde_json::{Value, json};
 
@@ -66,20 +66,20 @@ impl BvhFigures {
         let Some(root) = bvh.nodes().first() else { return figures };
         // Of the rays that meet the box of a node, its child's share.
         let area = |bounds: Bounds<R>| bounds.half_area().to_f64();
-        let around = (0..root.len()).map(|lane| root.bounds(lane)).reduce(|a, b| a.union(&b));
+        let around = bvh.children(root).map(|branch| branch.bounds).reduce(|a, b| a.union(&b));
         let root_area = around.map_or(0.0, area);
         let mut waiting = vec![(root, 0, 1.0)];
         while let Some((node, depth, share)) = waiting.pop() {
             figures.expected_nodes += share;
             figures.deepest = figures.deepest.max(depth);
-            for (lane, child) in bvh.children(node).enumerate() {
-                let share = if root_area > 0.0 { area(node.bounds(lane)) / root_area } else { 1.0 };
+            for Branch { bounds, primitives, child } in bvh.children(node) {
+                let share = if root_area > 0.0 { area(bounds) / root_area } else { 1.0 };
                 if let Child::Node(child) = child {
                     waiting.push((&bvh.nodes()[child], depth + 1, share));
                 } else {
                     figures.leaves += 1;
-                    figures.largest_leaf = figures.largest_leaf.max(node.primitives(lane));
-                    figures.expected_primitives += share * node.primitives(lane) as f64;
+                    figures.largest_leaf = figures.largest_leaf.max(primitives);
+                    figures.expected_primitives += share * primitives as f64;
                 }
             }
         }

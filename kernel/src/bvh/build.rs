@@ -31,9 +31,9 @@ impl Structure {
 /// A hierarchy whose leaves are still to be filled.
 #[derive(Debug)]
 pub struct Plan<'a, 'b, R: Real> {
+    geometry: Geometry<'b, R>,
     nodes: &'a mut [Node<R>],
     items: &'b [BuildItem<R>],
-    spheres: usize,
     required_quads: [usize; 2],
 }
 
@@ -51,7 +51,7 @@ pub fn build<'a, R: Real>(
     scratch: &mut [BuildItem<R>],
 ) -> Result<Bvh<'a, R>, CapacityError> {
     let BvhSlices { nodes, sphere_quads, triangle_quads } = slices;
-    plan(geometry, structure, nodes, scratch)?.fill(geometry, sphere_quads, triangle_quads)
+    plan(geometry, structure, nodes, scratch)?.fill(sphere_quads, triangle_quads)
 }
 
 /// The first half of [`build`]: all but the leaves, whose size is then known.
@@ -59,7 +59,7 @@ pub fn build<'a, R: Real>(
 /// # Errors
 /// [`CapacityError`] where there are fewer nodes than [`Structure::required_nodes`], or fewer items than primitives.
 pub fn plan<'a, 'b, R: Real>(
-    geometry: &Geometry<'_, R>,
+    geometry: &Geometry<'b, R>,
     structure: Structure,
     nodes: &'a mut [Node<R>],
     scratch: &'b mut [BuildItem<R>],
@@ -77,7 +77,7 @@ pub fn plan<'a, 'b, R: Real>(
     for leaf in leaves(nodes) {
         required_quads[usize::from(leaf.start >= spheres)] += quads(leaf.len());
     }
-    Ok(Plan { nodes, items, spheres, required_quads })
+    Ok(Plan { geometry: *geometry, nodes, items, required_quads })
 }
 
 impl<'a, R: Real> Plan<'a, '_, R> {
@@ -86,18 +86,17 @@ impl<'a, R: Real> Plan<'a, '_, R> {
         self.required_quads
     }
 
-    /// The second half of [`build`]: copies the primitives of `geometry`, which must be the one that was planned for, to
-    /// where traversal finds them side by side.
+    /// The second half of [`build`]: copies the primitives to where traversal finds them side by side.
     ///
     /// # Errors
     /// [`CapacityError`] where there are fewer quads than [`Plan::required_quads`], or more are needed than 2^27.
     pub fn fill(
         self,
-        geometry: &Geometry<'_, R>,
         sphere_quads: &'a mut [SphereQuad<R>],
         triangle_quads: &'a mut [TriangleQuad<R>],
     ) -> Result<Bvh<'a, R>, CapacityError> {
-        let Self { nodes, items, spheres, required_quads: [needed_spheres, needed_triangles] } = self;
+        let Self { geometry, nodes, items, required_quads: [needed_spheres, needed_triangles] } = self;
+        let spheres = geometry.spheres().len();
         room(Capacity::SphereQuads, needed_spheres, sphere_quads.len().min(MAX_QUADS))?;
         room(Capacity::TriangleQuads, needed_triangles, triangle_quads.len().min(MAX_QUADS))?;
         let mut used = [0; 2];
@@ -170,19 +169,31 @@ fn grow<R: Real>(items: &mut [BuildItem<R>], spheres: usize, structure: Structur
         parts.push(part);
     }
     let mut filled = Filled::EMPTY;
-    let (mut node, mut depth, mut used) = (0, 0, 1);
+    parts.split(items, 0, &mut filled);
+    let mut used = 0;
+    let mut place: Option<Pending> = None;
     loop {
-        parts.split(items, depth, &mut filled);
-        nodes[node] = Node::EMPTY;
-        for (lane, part) in parts.all().iter().enumerate() {
-            let (first, count) = (part.first as u32, part.count as u32);
-            let bounds = part.bounds.bounds();
-            if part.is_leaf {
-                nodes[node].set_items(lane, &bounds, first, count);
-            } else {
-                nodes[node].set_bounds(lane, &bounds);
-                pending[top] = Pending { parent: node as u32, lane: lane as u8, depth: depth as u8 + 1, first, count };
-                top += 1;
+        let (parent, depth) =
+            place.map_or((None, 0), |next| (Some((next.parent as usize, next.lane.into())), next.depth));
+        match (parent, parts.all()) {
+            // What had no room to be cut before is best left whole.
+            (Some((parent, lane)), [only]) => nodes[parent].set_items(lane, only),
+            (parent, all) => {
+                let node = used;
+                used += 1;
+                nodes[node] = Node::EMPTY;
+                if let Some((parent, lane)) = parent {
+                    nodes[parent].set_node(lane, node as u32);
+                }
+                for (lane, part) in all.iter().enumerate() {
+                    nodes[node].set_items(lane, part);
+                    if !part.is_leaf {
+                        let (first, count) = (part.first as u32, part.count as u32);
+                        pending[top] =
+                            Pending { parent: node as u32, lane: lane as u8, depth: depth + 1, first, count };
+                        top += 1;
+                    }
+                }
             }
         }
         if top == 0 {
@@ -190,11 +201,10 @@ fn grow<R: Real>(items: &mut [BuildItem<R>], spheres: usize, structure: Structur
         }
         top -= 1;
         let next = pending[top];
-        (node, depth) = (used, next.depth.into());
-        used += 1;
-        nodes[next.parent as usize].set_node(next.lane.into(), node as u32);
+        place = Some(next);
         parts = Parts::default();
         parts.push(Part::new(items, next.first as usize, next.count as usize));
+        parts.split(items, next.depth.into(), &mut filled);
     }
 }
 

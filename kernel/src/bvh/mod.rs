@@ -16,7 +16,7 @@ pub use build::{Plan, Structure, build, plan};
 pub use crossings::crossings;
 pub use extent::BuildItem;
 pub(crate) use near::any_triangle_near;
-pub use node::{Child, Node, WIDTH};
+pub use node::{Branch, Child, Node, WIDTH};
 pub(crate) use traverse::search;
 pub use traverse::{intersect, occluded};
 
@@ -56,14 +56,18 @@ impl<'a, R: Real> Bvh<'a, R> {
         self.nodes
     }
 
-    /// The children of a node of this hierarchy, in their lanes.
-    pub fn children(&self, node: &Node<R>) -> impl Iterator<Item = Child> {
+    /// The children of a node of this hierarchy.
+    pub fn children(&self, node: &Node<R>) -> impl Iterator<Item = Branch<R>> {
         let quads = self.quads();
-        let bits = core::array::from_fn::<_, WIDTH, _>(|lane| node.child(lane));
-        bits.into_iter().take(node.len()).map(move |child| match node::place(child, quads) {
+        let child = move |lane: usize| match node::place(node.child(lane), quads) {
             node::Place::Node(node) => Child::Node(node),
             node::Place::Spheres(first, end) => Child::Spheres(first..end),
             node::Place::Triangles(first, end) => Child::Triangles(first..end),
+        };
+        (0..node.len()).map(move |lane| Branch {
+            bounds: node.bounds(lane),
+            primitives: node.primitives(lane),
+            child: child(lane),
         })
     }
 

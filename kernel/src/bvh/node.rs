@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 
+use super::split::Part;
 use super::{Bounds, Slabs};
 use crate::lanes::Lanes;
 use crate::real::Real;
@@ -14,12 +15,23 @@ pub const WIDTH: usize = 8;
 #[repr(C, align(64))]
 pub struct Node<R: Real> {
     /// What each child is, as [`ChildBits`]. First, so that it is in the cache as soon as the boxes are.
-    children: [u32; WIDTH],
+    children: [ChildBits; WIDTH],
     /// Lower and upper corners of the children's boxes, by axis, as the slab test reads them; scene units. Where there is
     /// no child, a box that no ray meets.
     corners: [[[R::Lanes; 2]; 3]; 2],
     /// How many primitives a leaf holds; 0 for an inner node.
     counts: [u32; WIDTH],
+}
+
+/// A child of a node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Branch<R: Real> {
+    /// The box around all of it, scene units.
+    pub bounds: Bounds<R>,
+    /// How many primitives a leaf holds; 0 for a node.
+    pub primitives: usize,
+    /// What it is.
+    pub child: Child,
 }
 
 /// What a child of a node is.
@@ -91,12 +103,12 @@ impl<R: Real> Node<R> {
     }
 
     /// The box of child `lane`, scene units.
-    pub fn bounds(&self, lane: usize) -> Bounds<R> {
+    pub(super) fn bounds(&self, lane: usize) -> Bounds<R> {
         Bounds { corners: self.corners.map(|corner| corner.map(|axis| axis[lane / 4].to_array()[lane % 4])) }
     }
 
     /// How many primitives child `lane` holds, if it is a leaf; else 0.
-    pub fn primitives(&self, lane: usize) -> usize {
+    pub(super) fn primitives(&self, lane: usize) -> usize {
         self.counts[lane] as usize
     }
 
@@ -104,15 +116,11 @@ impl<R: Real> Node<R> {
         self.children[lane]
     }
 
-    /// Makes child `lane` a leaf of the `count` items from `first` on, until [`Node::set_leaf`] knows their quads.
-    pub(super) fn set_items(&mut self, lane: usize, bounds: &Bounds<R>, first: u32, count: u32) {
-        self.set_bounds(lane, bounds);
-        self.children[lane] = first;
-        self.counts[lane] = count;
-    }
-
-    pub(super) fn set_bounds(&mut self, lane: usize, bounds: &Bounds<R>) {
-        for (corners, corner) in self.corners.iter_mut().zip(bounds.corners) {
+    /// Makes child `lane` a leaf of a part's items, until [`Node::set_leaf`] knows their quads.
+    pub(super) fn set_items(&mut self, lane: usize, part: &Part<R>) {
+        self.children[lane] = part.first as u32;
+        self.counts[lane] = part.count as u32;
+        for (corners, corner) in self.corners.iter_mut().zip(part.bounds.bounds().corners) {
             for (axis, value) in corners.iter_mut().zip(corner) {
                 let mut four = axis[lane / 4].to_array();
                 four[lane % 4] = value;

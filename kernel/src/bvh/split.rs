@@ -43,7 +43,11 @@ impl<R: Real> Part<R> {
         Self { first: 0, count: 0, bounds: Extent::EMPTY, keys: Extent::EMPTY, is_leaf: true };
 
     pub(super) fn new(items: &[BuildItem<R>], first: usize, count: usize) -> Self {
-        let [bounds, keys] = around(&items[first..first + count]);
+        Self::within(first, count, around(&items[first..first + count]))
+    }
+
+    /// Of items in a box, with their keys in another.
+    fn within(first: usize, count: usize, [bounds, keys]: [Extent<R>; 2]) -> Self {
         Self { first, count, bounds, keys, is_leaf: quads(count) <= 1 }
     }
 
@@ -93,15 +97,8 @@ impl<R: Real> Part<R> {
                 items.swap(at, end);
             }
         }
-        let part = |first: usize, count: usize, [bounds, keys]: [Extent<R>; 2]| Self {
-            first,
-            count,
-            bounds,
-            keys,
-            is_leaf: quads(count) <= 1,
-        };
-        *self = part(whole.first, at, left);
-        part(whole.first + at, whole.count - at, right)
+        *self = Self::within(whole.first, at, left);
+        Self::within(whole.first + at, whole.count - at, right)
     }
 }
 
@@ -203,7 +200,11 @@ fn halve<R: Real>(items: &mut [BuildItem<R>], keys: &Extent<R>) {
     let axis = (1..3).fold(0, |longest, axis| if extent[axis] > extent[longest] { axis } else { longest });
     let middle = items.len() / 2;
     items.select_nth_unstable_by(middle, |a, b| {
-        let [key_a, key_b] = [a, b].map(|item| item.keys().to_array()[axis].to_f64());
+        // A NaN's sign is not the same on every target.
+        let [key_a, key_b] = [a, b].map(|item| match item.keys().to_array()[axis].to_f64() {
+            key if key.is_nan() => 0.0,
+            key => key,
+        });
         key_a.total_cmp(&key_b).then(a.primitive.cmp(&b.primitive))
     });
 }

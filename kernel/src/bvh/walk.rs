@@ -21,8 +21,9 @@ impl<'a, R: Real> Bvh<'a, R> {
         let mut top = 0;
         let Some(mut node) = self.nodes.first() else { return false };
         loop {
-            for lane in set_bits(matter(node)) {
-                waiting[top] = node.child(lane);
+            // Lanes without a child may matter where all of space does; no child is the root.
+            for child in set_bits(matter(node)).map(|lane| node.child(lane)).filter(|child| *child != 0) {
+                waiting[top] = child;
                 top += 1;
             }
             node = loop {

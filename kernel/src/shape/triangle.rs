@@ -170,7 +170,8 @@ fn woop<const ONCE: bool, C: Real, W: Real>(
         return None;
     }
     let depth = u * wider(a[2]) + v * wider(b[2]) + w * wider(c[2]);
-    // Behind the origin, as t would say, but without the division: rays that leave a mesh find it there most often.
+    // Behind the origin, and tmin is 0 or more: as t would say, but without the division. Rays that leave a mesh find it
+    // there most often.
     if (depth < zero) ^ (shear.z < C::ZERO) ^ (determinant < zero) {
         return None;
     }

@@ -72,9 +72,13 @@ impl<R: Real> TriangleQuad<R> {
             sheared([from_origin(x), from_origin(y), from_origin(z)], shear_x, shear_y)
         };
         let ([ax, ay, az], [bx, by, bz], [cx, cy, cz]) = (corner(0), corner(1), corner(2));
+        // Where the wide precision adds no bits, exact products are sums of two numbers, of which the smaller may be lost
+        // below the range of numbers.
+        let least = C::Lanes::splat(C::MIN_POSITIVE * C::from_f64(4.0));
+        let wider = |product: C::Lanes| if C::WIDE_IS_SELF { product + least } else { product };
         let products = [(cx * by, cy * bx), (ax * cy, ay * cx), (bx * ay, by * ax)];
-        let back = C::Lanes::all_at_most(products);
-        let front = C::Lanes::all_at_most(products.map(|(p, q)| (q, p)));
+        let back = C::Lanes::all_at_most(products.map(|(p, q)| (p, wider(q))));
+        let front = C::Lanes::all_at_most(products.map(|(p, q)| (q, wider(p))));
         if back | front == 0 {
             return 0;
         }
@@ -101,9 +105,11 @@ struct Depth<C: Real> {
 }
 
 impl<C: Real> Depth<C> {
-    /// A difference of rounded products is off by 2 u of both products and by u of itself; its product and the sums by 3 u
-    /// more: together at most `gamma(6)` of the magnitudes of all products, whose sum here takes five roundings. Where
-    /// numbers are so small that rounding is no longer relative, `MIN_POSITIVE` covers what it adds.
+    /// A difference of rounded products is off by u of both products and by u of itself, its product and the sums by 3 u
+    /// more: together 5 u of the magnitudes of all products. The exact test rounds, too, where the wide precision adds no
+    /// bits, as often; so `gamma(10)` of those magnitudes, whose sum here takes up to eight roundings of its own, decides
+    /// like it: `gamma(12)`. Where numbers are so small that rounding is no longer relative it adds at most five of the
+    /// smallest ones; `MIN_POSITIVE` among the magnitudes makes six.
     #[inline(always)]
     fn of(products: [(C::Lanes, C::Lanes); 3], factors: [C::Lanes; 3]) -> Self {
         let least = C::Lanes::splat(C::MIN_POSITIVE);
@@ -149,5 +155,26 @@ mod tests {
                 assert_eq!(quad.candidates::<Everything>(&PreparedRay::new(&ray)), found, "{x} {z} {along}");
             }
         }
+    }
+
+    /// The second of two exact products is lost below the range of numbers: their difference is then not below zero where
+    /// it should be, and that is what decides.
+    #[test]
+    fn edges_too_small_for_exact_products_are_met_alike() {
+        let power = |significand: f64, exponent: i32| significand * libm::ldexp(1.0, exponent);
+        let x = f64::from_bits(0x3ff8_b6c9_99e7_f678);
+        let y = f64::from_bits(0x3ff4_0253_0592_579c);
+        let (p, q) = (f64::from_bits(0x3ffa_0020_d981_d1f5), f64::from_bits(0x3ff5_0cf7_8182_21fb));
+        let corners = [
+            glam::DVec3::new(1.0, 0.0, -2.0),
+            glam::DVec3::new(power(x, -523), -power(y, -523), -2.0),
+            glam::DVec3::new(-power(p, -524), power(q, -524), -2.0),
+        ];
+        let mut quad = TriangleQuad::<f64>::EMPTY;
+        quad.set(0, 0, &corners);
+        let ray = Ray::<f64>::new(glam::DVec3::ZERO, glam::DVec3::new(0.0, 0.0, -1.0));
+        let prepared = PreparedRay::new(&ray);
+        assert!(crate::shape::triangle::intersect(&corners, &prepared, ray.tmax).is_some());
+        assert_eq!(quad.candidates::<Everything>(&prepared), 1);
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::numbers::{AnyRay, Float, Number, vector};
 use arbitrary::{Arbitrary, Result, Unstructured};
-use ocellus_kernel::bvh::{self, BuildItem, Bvh, BvhSlices, Child, MAX_DEPTH, Node, Structure, required_nodes};
+use ocellus_kernel::bvh::{self, Branch, BuildItem, Bvh, BvhSlices, Child, MAX_DEPTH, Node, Structure, required_nodes};
 use ocellus_kernel::real::{Real, Vec3, Vector};
 use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleQuad};
 use ocellus_kernel::{Everything, Hit, Ray};
@@ -135,7 +135,7 @@ fn check_hierarchy<R: Real>(geometry: &Geometry<'_, R>, bvh: &Bvh<'_, R>) {
         assert!(depth <= MAX_DEPTH, "{depth}");
         visited += 1;
         let node = &bvh.nodes()[at];
-        for (lane, child) in bvh.children(node).enumerate() {
+        for Branch { primitives: count, child, .. } in bvh.children(node) {
             let primitives: BTreeSet<u32> = match child {
                 Child::Node(child) => {
                     waiting.push((child, depth + 1));
@@ -146,7 +146,7 @@ fn check_hierarchy<R: Real>(geometry: &Geometry<'_, R>, bvh: &Bvh<'_, R>) {
                 }
                 Child::Spheres(range) => bvh.sphere_quads()[range].iter().flat_map(|quad| *quad.primitives()).collect(),
             };
-            assert_eq!(primitives.len(), node.primitives(lane));
+            assert_eq!(primitives.len(), count);
             primitives.iter().for_each(|&primitive| times[primitive as usize] += 1);
         }
     }

@@ -93,7 +93,7 @@ impl Room {
         let plan = bvh::plan(geometry, Structure::Bvh, &mut self.nodes, &mut self.scratch);
         let plan = plan.map_err(|error| error.to_string())?;
         self.triangle_quads.resize(plan.required_quads()[1], TriangleQuad::EMPTY);
-        plan.fill(geometry, &mut [], &mut self.triangle_quads).map_err(|error| error.to_string())
+        plan.fill(&mut [], &mut self.triangle_quads).map_err(|error| error.to_string())
     }
 }
 
