@@ -200,7 +200,7 @@ fn degenerate_triangles_between_others_open_no_gap<R: Real>() {
 /// N19. From the centre the way out is one radius, whatever the direction's length.
 fn rays_from_the_centre_of_a_sphere_go_one_radius<R: Real>() {
     let mut random = Random::new(1901);
-    let limit = tolerance::from_centre::<R>();
+    let limit = tolerance::FROM_CENTRE;
     let errors = Trials::measured::<R>("N19", "rays from the centre of a sphere", limit, "u");
     for _ in 0..trials(20_000) {
         let (place, size) = (magnitude(&mut random, -4.0, 4.0), magnitude(&mut random, -4.0, 5.0));
@@ -242,7 +242,7 @@ fn spheres_at_extreme_scales_agree_with_exact_arithmetic<R: Real>() {
             let Some(SphereTruth { t: truth, condition }) = sphere_truth(center, radius, &ray) else { continue };
             right.holds(hits[0] == hits[1] && hits[0].is_some() == truth.is_some(), words);
             let (Some(hit), Some(truth)) = (hits[0], truth) else { continue };
-            let bound = tolerance::sphere_t::<R>() * u::<R::Wide>() * condition
+            let bound = tolerance::SPHERE_T * u::<R::Wide>() * condition
                 + tolerance::by_precision::<R>(tolerance::ROUNDED, 0.0) * u::<R>() * truth;
             errors.error((hit.t.to_f64() - truth).abs() / bound, words);
         }

@@ -54,7 +54,7 @@ fn spheres_agree_with_exact_arithmetic<R: Real>() {
         assert_eq!(hit.is_some(), truth.is_some(), "{ray:?} at {center:?} {radius:?}: {hit:?} is not {truth:?}");
         let (Some(hit), Some(truth)) = (hit, truth) else { continue };
         // What the wide precision does to the problem, and the rounding of its answer where it is wider.
-        let bound = tolerance::sphere_t::<R>() * u::<R::Wide>() * condition
+        let bound = tolerance::SPHERE_T * u::<R::Wide>() * condition
             + tolerance::by_precision::<R>(tolerance::ROUNDED, 0.0) * u::<R>() * truth;
         let error = (hit.t.to_f64() - truth).abs();
         errors.error(error / bound, || {

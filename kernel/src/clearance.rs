@@ -69,8 +69,9 @@ impl<R: Real> Clearance<'_, R> {
     }
 
     /// The plane of a triangle, if `offset` from the point is too near to it or beyond. `None` where the point itself is
-    /// beyond it by more than [`ERRORS_BEYOND`] times its error: then it has a right to be. None, too, for the surface's own plane, in which
-    /// its neighbours lie and perhaps copies of it: nothing can be moved off that but by its own offset.
+    /// beyond it by more than [`ERRORS_BEYOND`] times its error: then it has a right to be. None, too, for the
+    /// surface's own plane, in which its neighbours lie and perhaps copies of it: nothing can be moved off that but by
+    /// its own offset.
     #[inline(always)]
     fn plane(&self, corners: &[Vec3<R>; 3], offset: WideVec3<R>) -> Option<Plane<R>> {
         let corner = widen::<R>(corners[0]);

@@ -15,6 +15,14 @@ pub(crate) fn two_product(a: f64, b: f64) -> (f64, f64) {
     (p, ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2)
 }
 
+/// `a + b` as value and error, exactly (Knuth 1969).
+#[inline]
+pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let from_b = sum - a;
+    (sum, (a - (sum - from_b)) + (b - from_b))
+}
+
 /// `(-1)^k / (2 k + first)!` for the Taylor series of sine (`first` = 1) and cosine (`first` = 0).
 const fn taylor<const TERMS: usize>(first: u32) -> [f64; TERMS] {
     let mut terms = [0.0; TERMS];

@@ -1,5 +1,6 @@
 //! The film: what is kept of a pixel's samples, and the hash of a picture.
 
+use crate::elementary::two_sum;
 use crate::real::Vector;
 
 /// A sum of f32 values as a pair of f64, exact while the values of one sum span less than about 2^56 in magnitude
@@ -8,14 +9,6 @@ use crate::real::Vector;
 struct ExactSum {
     high: f64,
     low: f64,
-}
-
-/// `a + b` as value and error, exactly (Knuth 1969).
-#[inline]
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let from_b = sum - a;
-    (sum, (a - (sum - from_b)) + (b - from_b))
 }
 
 impl ExactSum {

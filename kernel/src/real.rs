@@ -6,7 +6,7 @@
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::elementary::{sin_cos_turns, two_product};
+use crate::elementary::{sin_cos_turns, two_product, two_sum};
 
 pub use crate::vector::{Vec3, Vector, WideVec3, narrow, vec3_from_f64, widen};
 
@@ -91,6 +91,10 @@ pub trait Real:
     ///
     /// f32: the products are exact in f64. f64: both products are split into value and error (Dekker 1971).
     fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> Self::Wide;
+    /// The squared length of a vector within `gamma(1)` of `Self`, as long as no square over- or underflows.
+    ///
+    /// f32: in f64. f64: with the errors of all squares and sums (Ogita, Rump, Oishi 2005).
+    fn squared_length(v: [Self; 3]) -> Self::Wide;
     /// Sine and cosine of `2 pi self`, for `0 <= self <= 1`, within 1 ulp of 1.
     fn sin_cos_turns(self) -> (Self, Self);
     /// Natural logarithm, from the `libm` crate.
@@ -203,6 +207,12 @@ impl Real for f32 {
     }
 
     #[inline]
+    fn squared_length(v: [Self; 3]) -> f64 {
+        let [x, y, z] = v.map(f64::from);
+        x * x + y * y + z * z
+    }
+
+    #[inline]
     fn sin_cos_turns(self) -> (Self, Self) {
         let (sine, cosine) = sin_cos_turns::<6>(f64::from(self));
         (sine as f32, cosine as f32)
@@ -310,6 +320,14 @@ impl Real for f64 {
     }
 
     #[inline]
+    fn squared_length(v: [Self; 3]) -> f64 {
+        let [(x, x_error), (y, y_error), (z, z_error)] = v.map(|x| two_product(x, x));
+        let (xy, xy_error) = two_sum(x, y);
+        let (all, all_error) = two_sum(xy, z);
+        all + (x_error + y_error + z_error + xy_error + all_error)
+    }
+
+    #[inline]
     fn sin_cos_turns(self) -> (Self, Self) {
         sin_cos_turns::<10>(self)
     }
@@ -345,6 +363,16 @@ mod tests {
         assert_eq!(f32::from_unit_bits(u32::MAX), 1.0 - f32::UNIT_ROUNDOFF);
         assert!(f64::from_unit_bits(u32::MAX) < 1.0);
         assert_eq!(f32::from_unit_bits(0), 0.0);
+    }
+
+    #[test]
+    fn squared_lengths_are_rounded_once() {
+        // (1 + e)^2 + (1.5 + e)^2 + 1 = 4.25 + 5 e + 2 e^2, of which 4 e is a unit in the last place. A sum that rounds
+        // each term is off by one.
+        let [x, y] = [1.0f64.next_up(), 1.5f64.next_up()];
+        assert_eq!(f64::squared_length([x, y, 1.0]), 4.25f64.next_up());
+        assert_ne!(x * x + y * y + 1.0, 4.25f64.next_up());
+        assert_eq!(f32::squared_length([3.0, 4.0, 12.0]), 169.0);
     }
 
     #[test]

@@ -69,7 +69,7 @@ pub(crate) fn rows<R: Real>() -> Vec<Row> {
     let triangles = "t of triangles";
     let plane = Some((tolerance::TRIANGLE_T, "u M"));
     // The problem's own roundings in the kernel's precision.
-    let conditioned = Some((tolerance::by_precision::<R>(tolerance::ROUNDED, tolerance::sphere_t::<R>()), "u cond"));
+    let conditioned = Some((tolerance::by_precision::<R>(tolerance::ROUNDED, tolerance::SPHERE_T), "u cond"));
     let row = |option, class, limit, keeps, measure| Row { option, class, limit, keeps, measure };
     let fresnel = Some((tolerance::reflected_share::<R>(), ""));
     vec![

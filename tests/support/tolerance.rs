@@ -60,26 +60,16 @@ pub(crate) const FILM_POSITION: f64 = 150.0;
 /// changes if the inputs move by a few roundings.
 pub(crate) const UNDECIDED: f64 = 16.0;
 
-/// Error of a sphere's t in u of the wide precision times its condition number.
-///
-/// Where that is wider than the precision of the input it hardly shows, and 4 is never reached. In f64 it is all there
-/// is: under the root of half a chord are two differences and a product (3 u), one over the squared length of the
-/// direction (3 u and 1 u) and the product with that (1 u), halved by the root, which rounds itself: 5 u; and 1 u for the
-/// sum with the foot's t. Of a million spheres some that are seen from near their centres do reach 5.3. The near root
-/// rounds more often, but its condition number is at least twice t.
-pub(crate) fn sphere_t<R: Real>() -> f64 {
-    by_precision::<R>(4.0, 6.0)
-}
+/// Error of a sphere's t in u of the wide precision times its condition number, which is what the stable test proves
+/// where that precision adds no bits. Where it does, the rounding of the answer hides it.
+pub(crate) const SPHERE_T: f64 = 4.0;
 
 /// Error in u of a number that is rounded once.
 pub(crate) const ROUNDED: f64 = 1.0;
 
-/// Error in u of t from the centre of a sphere. f32: one rounding of an f64 result. f64: the squared length of the
-/// direction 3 u, its inverse 1 u, the square of the radius and the product 1 u each, all halved by the root, and the
-/// root 1 u.
-pub(crate) fn from_centre<R: Real>() -> f64 {
-    by_precision::<R>(2.0, 4.0)
-}
+/// Error in u of t from the centre of a sphere. f32: one rounding of an f64 result. f64: the squared
+/// length of the direction and the quotient 1 u each, halved by the root, and the root 1 u.
+pub(crate) const FROM_CENTRE: f64 = 2.0;
 
 /// How many times as long as a good ray one that is not finite may take: what Embree asks of itself.
 pub(crate) const INVALID_TIME: f64 = 2.5;

@@ -1,5 +1,6 @@
 //! Axis-aligned boxes and the one slab test that everything uses.
 
+use super::extent::Extent;
 use crate::effects::EffectSet;
 use crate::lanes::Numbers;
 use crate::real::{Real, Vec3, Vector, greater, lesser};
@@ -29,13 +30,7 @@ impl<R: Real> Bounds<R> {
     /// The smallest box around both.
     #[inline]
     pub fn union(&self, other: &Self) -> Self {
-        let [a, b] = [&self.corners, &other.corners];
-        Self {
-            corners: [
-                core::array::from_fn(|axis| lesser(a[0][axis], b[0][axis])),
-                core::array::from_fn(|axis| greater(a[1][axis], b[1][axis])),
-            ],
-        }
+        Extent::new(self).union(&Extent::new(other)).bounds()
     }
 
     /// Whether the boxes have a point in common; touching counts.
@@ -49,8 +44,7 @@ impl<R: Real> Bounds<R> {
     /// Half the surface area, scene units squared; 0 for an empty box.
     #[inline]
     pub fn half_area(&self) -> R {
-        let [dx, dy, dz]: [R; 3] = core::array::from_fn(|axis| self.corners[1][axis] - self.corners[0][axis]);
-        if dx < R::ZERO || dy < R::ZERO || dz < R::ZERO { R::ZERO } else { dx * dy + dy * dz + dz * dx }
+        Extent::new(self).half_area()
     }
 
     /// Where the ray enters the box, clamped to tmin; `None` where it misses or enters beyond `tmax`.
@@ -99,8 +93,8 @@ impl<R: Real> Slabs<R> {
         }
     }
 
-    /// Where the ray enters and leaves a box, or several, clamped to `tmin` and `tmax`; `corner` gives the lower and the
-    /// upper corners by axis.
+    /// Where the ray enters and leaves a box, or several, clamped to `tmin` and `tmax`; `corner` gives the lower and
+    /// the upper corners by axis.
     #[inline(always)]
     pub(super) fn interval<T: Numbers>(
         &self,

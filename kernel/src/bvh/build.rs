@@ -171,10 +171,10 @@ fn grow<R: Real>(items: &mut [BuildItem<R>], spheres: usize, structure: Structur
     let mut filled = Filled::EMPTY;
     parts.split(items, 0, &mut filled);
     let mut used = 0;
-    let mut place: Option<Pending> = None;
+    let mut current: Option<Pending> = None;
     loop {
         let (parent, depth) =
-            place.map_or((None, 0), |next| (Some((next.parent as usize, next.lane.into())), next.depth));
+            current.map_or((None, 0), |next| (Some((next.parent as usize, next.lane.into())), next.depth));
         match (parent, parts.all()) {
             // What had no room to be cut before is best left whole.
             (Some((parent, lane)), [only]) => nodes[parent].set_items(lane, only),
@@ -201,7 +201,7 @@ fn grow<R: Real>(items: &mut [BuildItem<R>], spheres: usize, structure: Structur
         }
         top -= 1;
         let next = pending[top];
-        place = Some(next);
+        current = Some(next);
         parts = Parts::default();
         parts.push(Part::new(items, next.first as usize, next.count as usize));
         parts.split(items, next.depth.into(), &mut filled);
@@ -237,7 +237,7 @@ impl<R: Real> Parts<R> {
         let cut = if depth + levels(count) < MAX_DEPTH { Cut::Best } else { Cut::Halves };
         while self.count < WIDTH {
             let size = |part: &Part<R>| match cut {
-                Cut::Best => part.bounds.half_area(),
+                Cut::Best => part.bounds.half_area().to_f64(),
                 Cut::Halves => part.count as f64,
             };
             let open = self.all().iter().enumerate().filter(|(_, part)| !part.is_leaf);

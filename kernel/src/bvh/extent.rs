@@ -35,9 +35,9 @@ impl<R: Real> Extent<R> {
 
     /// Half the surface area, scene units squared; 0 for an empty box.
     #[inline(always)]
-    pub(super) fn half_area(&self) -> f64 {
+    pub(super) fn half_area(&self) -> R {
         let [dx, dy, dz, _] = (self.high - self.low).to_array();
-        if dx < R::ZERO || dy < R::ZERO || dz < R::ZERO { 0.0 } else { (dx * dy + dy * dz + dz * dx).to_f64() }
+        if dx < R::ZERO || dy < R::ZERO || dz < R::ZERO { R::ZERO } else { dx * dy + dy * dz + dz * dx }
     }
 }
 

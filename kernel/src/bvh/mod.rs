@@ -59,15 +59,10 @@ impl<'a, R: Real> Bvh<'a, R> {
     /// The children of a node of this hierarchy.
     pub fn children(&self, node: &Node<R>) -> impl Iterator<Item = Branch<R>> {
         let quads = self.quads();
-        let child = move |lane: usize| match node::place(node.child(lane), quads) {
-            node::Place::Node(node) => Child::Node(node),
-            node::Place::Spheres(first, end) => Child::Spheres(first..end),
-            node::Place::Triangles(first, end) => Child::Triangles(first..end),
-        };
         (0..node.len()).map(move |lane| Branch {
             bounds: node.bounds(lane),
             primitives: node.primitives(lane),
-            child: child(lane),
+            child: node::decode(node.child(lane), quads),
         })
     }
 

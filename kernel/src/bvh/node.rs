@@ -16,8 +16,8 @@ pub const WIDTH: usize = 8;
 pub struct Node<R: Real> {
     /// What each child is, as [`ChildBits`]. First, so that it is in the cache as soon as the boxes are.
     children: [ChildBits; WIDTH],
-    /// Lower and upper corners of the children's boxes, by axis, as the slab test reads them; scene units. Where there is
-    /// no child, a box that no ray meets.
+    /// Lower and upper corners of the children's boxes, by axis, as the slab test reads them; scene units. Where there
+    /// is no child, a box that no ray meets.
     corners: [[[R::Lanes; 2]; 3]; 2],
     /// How many primitives a leaf holds; 0 for an inner node.
     counts: [u32; WIDTH],
@@ -45,8 +45,8 @@ pub enum Child {
     Triangles(Range<usize>),
 }
 
-/// A child in 32 bits: the number of a node; or [`LEAF`], [`OF_SPHERES`] if so, how many quads (0 for all there are, from
-/// the first on), and the first quad.
+/// A child in 32 bits: the number of a node; or [`LEAF`], [`OF_SPHERES`] if so, how many quads (0 for all there are,
+/// from the first on), and the first quad.
 pub(super) type ChildBits = u32;
 
 const LEAF: u32 = 1 << 31;
@@ -59,27 +59,20 @@ pub(super) const MAX_LEAF_QUADS: usize = 7;
 /// The most quads that a hierarchy can have.
 pub(super) const MAX_QUADS: usize = 1 << QUADS_SHIFT;
 
-/// Where to find what a child is.
-pub(super) enum Place {
-    Node(usize),
-    Spheres(usize, usize),
-    Triangles(usize, usize),
-}
-
 /// What the bits of a child mean, of a hierarchy with these numbers of quads of spheres and of triangles.
 #[inline(always)]
-pub(super) fn place(child: ChildBits, all: [usize; 2]) -> Place {
+pub(super) fn decode(child: ChildBits, all: [usize; 2]) -> Child {
     let first = (child & FIRST) as usize;
     let end = |all| match child >> QUADS_SHIFT & 7 {
         0 => all,
         quads => first + quads as usize,
     };
     if child & LEAF == 0 {
-        Place::Node(child as usize)
+        Child::Node(child as usize)
     } else if child & OF_SPHERES == 0 {
-        Place::Triangles(first, end(all[1]))
+        Child::Triangles(first..end(all[1]))
     } else {
-        Place::Spheres(first, end(all[0]))
+        Child::Spheres(first..end(all[0]))
     }
 }
 
@@ -92,14 +85,9 @@ impl<R: Real> Node<R> {
     };
 
     /// How many children it has.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         // Only the root is the child of none.
         (0..WIDTH).filter(|&lane| self.counts[lane] > 0 || self.children[lane] > 0).count()
-    }
-
-    /// Whether it has no children.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// The box of child `lane`, scene units.

@@ -59,7 +59,7 @@ impl<R: Real> Part<R> {
         let whole = *self;
         let right = match plane {
             Some(plane) => {
-                let cost = VISIT_COST + plane.cost / whole.bounds.half_area();
+                let cost = VISIT_COST + plane.cost / whole.bounds.half_area().to_f64();
                 if !is_too_large && !(cost < quads(self.count) as f64) {
                     self.is_leaf = true;
                     return None;
@@ -179,13 +179,13 @@ fn best_plane<R: Real>(items: &[BuildItem<R>], keys: &Extent<R>, filled: &mut Fi
         for bin in (1..count).rev() {
             bounds = bounds.union(&filled[bin][axis].0);
             held += filled[bin][axis].1;
-            right_costs[bin - 1] = bounds.half_area() * quads(held) as f64;
+            right_costs[bin - 1] = bounds.half_area().to_f64() * quads(held) as f64;
         }
         let (mut bounds, mut held) = (Extent::EMPTY, 0);
         for bin in 0..count - 1 {
             bounds = bounds.union(&filled[bin][axis].0);
             held += filled[bin][axis].1;
-            let cost = bounds.half_area() * quads(held) as f64 + right_costs[bin];
+            let cost = bounds.half_area().to_f64() * quads(held) as f64 + right_costs[bin];
             if held > 0 && held < items.len() && best.is_none_or(|best| cost < best.cost) {
                 best = Some(Plane { bins, axis, last_left: bin, cost });
             }

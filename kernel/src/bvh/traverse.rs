@@ -3,11 +3,12 @@
 //! Both are generic over how primitives are found: all of them, or through a hierarchy. The answer is the same bits
 //! either way; see `Geometry::test_all`.
 
-use super::node::{ChildBits, Place, place};
+use super::node::{ChildBits, decode};
 use super::split::MAX_ROOT_QUADS;
-use super::{Bvh, MAX_WAITING, WIDTH};
+use super::{Bvh, Child, MAX_WAITING, WIDTH};
 use crate::departure::Departure;
 use crate::effects::EffectSet;
+use crate::lanes::set_bits;
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::Real;
 use crate::shape::{Geometry, PreparedRay, test_triangles};
@@ -74,8 +75,8 @@ struct Waiting<R> {
     child: ChildBits,
 }
 
-/// How many children can wait before the search goes on with a stack of full size. Clearing that would take as long as a
-/// few nodes do, and hardly a ray needs it.
+/// How many children can wait before the search goes on with a stack of full size. Clearing that would take as long as
+/// a few nodes do, and hardly a ray needs it.
 const FEW: usize = 32;
 
 /// The children that wait, the next on top.
@@ -133,27 +134,22 @@ fn descend<R: Real, E: EffectSet, const ANY: bool, const ROOM: usize>(
             continue;
         }
         loop {
-            match place(child, bvh.quads()) {
-                Place::Node(node) => {
+            match decode(child, bvh.quads()) {
+                Child::Node(node) => {
                     if stack.is_full() {
                         stack.insert(stack.top, Waiting { near: ray.tmin, child });
                         return descend_deep::<R, E, ANY>(geometry, bvh, *ray, &stack.waiting[..stack.top], best);
                     }
                     let node = &bvh.nodes[node];
-                    let (near, mut met) = node.entries(&ray.slabs, ray.tmin, best.t);
-                    if met == 0 {
-                        continue 'pop;
-                    }
-                    let take = |met: &mut u32| {
-                        let lane = met.trailing_zeros() as usize % WIDTH;
-                        *met &= *met - 1;
+                    let (near, met) = node.entries(&ray.slabs, ray.tmin, best.t);
+                    let mut all = set_bits(met).map(|lane| {
+                        let lane = lane % WIDTH;
                         Waiting { near: near[lane / 4][lane % 4], child: node.child(lane) }
-                    };
+                    });
                     // The nearest is next. (What is nearest does not matter to a search for any.)
-                    let mut nearest = take(&mut met);
+                    let Some(mut nearest) = all.next() else { continue 'pop };
                     let first = stack.top;
-                    while met != 0 {
-                        let mut other = take(&mut met);
+                    for mut other in all {
                         if !ANY && other.near < nearest.near {
                             core::mem::swap(&mut other, &mut nearest);
                         }
@@ -162,11 +158,11 @@ fn descend<R: Real, E: EffectSet, const ANY: bool, const ROOM: usize>(
                     child = nearest.child;
                     continue;
                 }
-                Place::Triangles(first, end) => {
-                    test_triangles::<R, E, ANY>(ray, &bvh.triangle_quads[first..end], &mut best);
+                Child::Triangles(quads) => {
+                    test_triangles::<R, E, ANY>(ray, &bvh.triangle_quads[quads], &mut best);
                 }
-                Place::Spheres(first, end) => {
-                    geometry.test_spheres::<E, ANY, true>(ray, &bvh.sphere_quads[first..end], &mut best);
+                Child::Spheres(quads) => {
+                    geometry.test_spheres::<E, ANY, true>(ray, &bvh.sphere_quads[quads], &mut best);
                 }
             }
             if ANY && best.primitive != NO_PRIMITIVE {

@@ -1,7 +1,7 @@
 //! A walk over all leaves of a hierarchy that may matter, in no order of distance.
 
-use super::node::{Place, place};
-use super::{Bvh, MAX_WAITING, Node};
+use super::node::decode;
+use super::{Bvh, Child, MAX_WAITING, Node};
 use crate::lanes::set_bits;
 use crate::real::Real;
 use crate::shape::{SphereQuad, TriangleQuad};
@@ -13,8 +13,8 @@ pub(crate) enum Leaf<'a, R: Real> {
 }
 
 impl<'a, R: Real> Bvh<'a, R> {
-    /// Shows `see` the leaves below nodes whose children `matter` (a bit for each), until it says that it has seen enough.
-    /// Whether it has.
+    /// Shows `see` the leaves below nodes whose children `matter` (a bit for each), until it says that it has seen
+    /// enough. Whether it has.
     #[inline(always)]
     pub(crate) fn walk(&self, matter: impl Fn(&Node<R>) -> u32, mut see: impl FnMut(Leaf<'a, R>) -> bool) -> bool {
         let mut waiting = [0u32; MAX_WAITING];
@@ -31,10 +31,10 @@ impl<'a, R: Real> Bvh<'a, R> {
                     return false;
                 }
                 top -= 1;
-                let seen = match place(waiting[top], self.quads()) {
-                    Place::Node(next) => break &self.nodes[next],
-                    Place::Spheres(first, end) => see(Leaf::Spheres(&self.sphere_quads[first..end])),
-                    Place::Triangles(first, end) => see(Leaf::Triangles(&self.triangle_quads[first..end])),
+                let seen = match decode(waiting[top], self.quads()) {
+                    Child::Node(next) => break &self.nodes[next],
+                    Child::Spheres(quads) => see(Leaf::Spheres(&self.sphere_quads[quads])),
+                    Child::Triangles(quads) => see(Leaf::Triangles(&self.triangle_quads[quads])),
                 };
                 if seen {
                     return true;

@@ -46,6 +46,7 @@ pub struct PreparedRay<R: Real> {
     inverse_square: R,
     wide_origin: WideVec3<R>,
     wide_direction: WideVec3<R>,
+    wide_square: R::Wide,
     wide_inverse_square: R::Wide,
     shear: Shear<R>,
     wide_shear: Shear<R::Wide>,
@@ -68,14 +69,13 @@ impl<R: Real> PreparedRay<R> {
         let direction = ray.direction.to_array();
         let wide_direction = widen::<R>(ray.direction);
         // What decides about spheres is in the precision of their test.
+        let wide_square = R::squared_length(direction);
+        let square = R::narrow(wide_square);
         let (wide_square, wide_inverse_square) = if const { matches!(E::ACCURACY.sphere, SphereTest::Narrow) } {
-            let square = ray.direction.dot(ray.direction);
             (square.widen(), (R::ONE / square).widen())
         } else {
-            let square = wide_direction.dot(wide_direction);
-            (square, R::Wide::ONE / square)
+            (wide_square, R::Wide::ONE / wide_square)
         };
-        let square = R::narrow(wide_square);
         let usual = square > R::from_f64(SQUARE_RANGE[0])
             && square < R::from_f64(SQUARE_RANGE[1])
             && ray.origin.abs().max_component() < R::from_f64(REACH);
@@ -91,6 +91,7 @@ impl<R: Real> PreparedRay<R> {
             inverse_square: if usual { R::narrow(wide_inverse_square) } else { R::NAN },
             wide_origin: widen::<R>(ray.origin),
             wide_direction,
+            wide_square,
             wide_inverse_square,
             shear: if triangles && !wide_triangles { Shear::new(ray.direction, inverse) } else { Shear::NONE },
             wide_shear: if triangles && wide_triangles {
@@ -235,9 +236,7 @@ impl<'a, R: Real> Geometry<'a, R> {
             for (quad, shift) in quads.iter().zip((0..).step_by(4)) {
                 candidates |= quad.candidates(ray, end) << shift;
             }
-            while candidates != 0 {
-                let at = candidates.trailing_zeros() as usize;
-                candidates &= candidates - 1;
+            for at in set_bits(candidates) {
                 let index = quads[at / 4].primitives()[at % 4];
                 if index == ray.departed {
                     continue;
