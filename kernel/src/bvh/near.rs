@@ -2,6 +2,7 @@
 
 use super::walk::Leaf;
 use super::{Bounds, Bvh};
+use crate::lanes::set_bits;
 use crate::real::{Real, Vec3};
 use crate::shape::Geometry;
 use crate::shape::triangle::bounds;
@@ -27,10 +28,12 @@ pub(crate) fn any_triangle_near<R: Real>(
     bvh.walk(
         |node| node.meeting(place),
         |leaf| match leaf {
-            Leaf::Triangles(quads) => {
-                let mut triangles = quads.iter().flat_map(|quad| quad.triangles());
-                triangles.any(|(primitive, corners)| is_near(primitive, &corners))
-            }
+            Leaf::Triangles(quads) => quads.iter().any(|quad| {
+                set_bits(quad.meeting(place)).any(|lane| {
+                    let (primitive, corners) = quad.triangle(lane);
+                    is_near(primitive, &corners)
+                })
+            }),
             Leaf::Spheres(_) => false,
         },
     )

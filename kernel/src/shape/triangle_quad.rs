@@ -3,11 +3,12 @@
 use super::PreparedRay;
 use super::triangle::{Shear, moller_trumbore, sheared};
 use crate::accuracy::TriangleTest;
+use crate::bvh::Bounds;
 use crate::effects::EffectSet;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Numbers};
 use crate::ray::NO_PRIMITIVE;
 use crate::real::{Real, Vec3, Vector};
-use crate::robust::gamma;
+use crate::robust::{gamma, triangle_padding};
 
 /// Up to four triangles of a leaf, side by side. 160 bytes in f32.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +46,20 @@ impl<R: Real> TriangleQuad<R> {
         let coordinate = |axis: usize, k: usize| self.corners[axis][k].to_array()[lane];
         let corner = |k: usize| Vector::new(coordinate(0, k), coordinate(1, k), coordinate(2, k));
         (self.primitives[lane], [corner(0), corner(1), corner(2)])
+    }
+
+    /// A bit for each triangle whose own box, [`bounds`](super::triangle::bounds), has a point in common with `place`. (It
+    /// may be set for one whose size overflows, and not be for one with corners that are no numbers: that has no plane.)
+    #[inline(always)]
+    pub(crate) fn meeting(&self, place: &Bounds<R>) -> u32 {
+        let low = self.corners.map(|[a, b, c]| a.lesser(b).lesser(c));
+        let high = self.corners.map(|[a, b, c]| a.greater(b).greater(c));
+        let extent = |axis: usize| high[axis] - low[axis];
+        let padding = extent(0).greater(extent(1)).greater(extent(2)) * R::Lanes::splat(triangle_padding::<R>(R::ONE));
+        let [place_low, place_high] = place.corners.map(|corner| corner.map(R::Lanes::splat));
+        let below = |axis: usize| (low[axis] - padding, place_high[axis]);
+        let above = |axis: usize| (place_low[axis], high[axis] + padding);
+        R::Lanes::all_at_most([below(0), above(0), below(1), above(1), below(2), above(2)])
     }
 
     /// Bit k is set unless the ray misses triangle k, however far it goes. (It may be set for some that it hardly misses.)
@@ -155,6 +170,29 @@ mod tests {
                 assert_eq!(quad.candidates::<Everything>(&PreparedRay::new(&ray)), found, "{x} {z} {along}");
             }
         }
+    }
+
+    #[test]
+    fn triangles_near_a_place_are_those_whose_own_boxes_meet_it() {
+        let corners = [V::new(0.5, -1.0, 3.0), V::new(-2.0, 0.25, 3.0), V::new(1.0, 4.0, 3.0)];
+        let mut quad = TriangleQuad::<f32>::EMPTY;
+        for (lane, shift) in [(0, V::ZERO), (1, V::X), (3, V::new(0.0, 1e6, 0.0))] {
+            quad.set(lane, lane as u32, &corners.map(|corner| corner + shift));
+        }
+        let mut found = [0; 4];
+        // Around the corners of the boxes, which are wider than the triangles by some units in the last place.
+        for (lane, (_, triangle)) in [0, 1, 3].into_iter().map(|lane| (lane, quad.triangle(lane))) {
+            for (corner, ulps) in triangle.into_iter().flat_map(|corner| (-12..12).map(move |ulps| (corner, ulps))) {
+                let nudge = |x: f32| x + ulps as f32 * (x.abs().next_up() - x.abs());
+                let mut place = Bounds::EMPTY;
+                place.grow(V::new(nudge(corner.x), nudge(corner.y), nudge(corner.z)));
+                let own = |lane: usize| super::super::triangle::bounds::<f32>(&quad.triangle(lane).1);
+                let due = [0, 1, 3].into_iter().filter(|&lane| own(lane).meets(&place));
+                assert_eq!(quad.meeting(&place), due.map(|lane| 1 << lane).sum::<u32>());
+                found[lane] += quad.meeting(&place).count_ones();
+            }
+        }
+        assert!(found.iter().enumerate().all(|(lane, &found)| (found > 0) == (lane != 2)), "{found:?}");
     }
 
     /// The second of two exact products is lost below the range of numbers: their difference is then not below zero where
