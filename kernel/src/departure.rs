@@ -18,13 +18,15 @@ pub(crate) struct Departure<R: Real> {
     pub(crate) error: R,
     /// The sphere on whose outside it is, which the rays cannot meet; [`NO_PRIMITIVE`] if there is none.
     pub(crate) sphere: u32,
+    /// The sphere that the rays end before, [`NO_PRIMITIVE`] if they do not: a light does not stand in its own way.
+    pub(crate) light: u32,
 }
 
 impl<R: Real> Departure<R> {
     /// Exactly from `origin`, and from no surface.
     #[inline]
     pub(crate) fn exactly(origin: Vec3<R>) -> Self {
-        Self { origin, error: R::ZERO, sphere: NO_PRIMITIVE }
+        Self { origin, error: R::ZERO, sphere: NO_PRIMITIVE, light: NO_PRIMITIVE }
     }
 }
 
@@ -64,6 +66,7 @@ impl<R: Real> Arrival<'_, R> {
             origin: point.p + offset,
             error: origin_error::<R>(point.p, point.p_error, hit.t),
             sphere: outside_of::<R, E>(scene, hit.primitive, front),
+            light: NO_PRIMITIVE,
         };
         let clears =
             const { matches!(E::ACCURACY.offset, RayOffset::Cleared) && E::EFFECTS.contains(Effects::TRIANGLES) };

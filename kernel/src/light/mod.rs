@@ -34,6 +34,8 @@ pub struct LightSample<R: Real> {
     pub wi: Vec3<R>,
     /// Where the shadow ray ends: on the light, off its surface.
     pub target: Vec3<R>,
+    /// The sphere that the light is; [`NO_PRIMITIVE`](crate::ray::NO_PRIMITIVE) if it is none.
+    pub sphere: u32,
     /// Radiance over pdf per steradian (surfaces), intensity over squared distance (points).
     pub weight: Vec3<R>,
 }
@@ -73,7 +75,7 @@ pub(crate) fn direct<R: Real, E: EffectSet>(
         }
         let shadow = Ray { tmax: shadow_tmax::<R>(), ..Ray::new(departure.origin, sampled.target - departure.origin) };
         *rays += 1;
-        if !scene.occluded_from::<E>(&shadow, departure) {
+        if !scene.occluded_from::<E>(&shadow, &Departure { light: sampled.sphere, ..*departure }) {
             sum = sum + sampled.weight * (cosine * R::from_f64(core::f64::consts::FRAC_1_PI));
         }
     }

@@ -1,6 +1,7 @@
 //! Isotropic point lights.
 
 use super::LightSample;
+use crate::ray::NO_PRIMITIVE;
 use crate::real::{Real, Vec3, Vector, narrow, widen};
 use crate::surface::SurfacePoint;
 
@@ -25,6 +26,7 @@ impl<R: Real> PointLight<R> {
         Some(LightSample {
             wi: narrow::<R>(to_light * (R::Wide::ONE / square.sqrt())),
             target: self.position,
+            sphere: NO_PRIMITIVE,
             weight: self.intensity * R::narrow(R::Wide::ONE / square),
         })
     }

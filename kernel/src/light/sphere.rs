@@ -59,7 +59,8 @@ impl SphereLight {
                 (wi, narrow::<R>(p + wi * t), solid_angle)
             }
         };
-        Some(LightSample { wi: narrow::<R>(wi), target, weight: emission * R::narrow(inverse_pdf) })
+        let weight = emission * R::narrow(inverse_pdf);
+        Some(LightSample { wi: narrow::<R>(wi), target, sphere: self.sphere, weight })
     }
 }
 

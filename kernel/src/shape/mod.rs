@@ -37,6 +37,8 @@ pub struct PreparedRay<R: Real> {
     pub tmin: R,
     /// The sphere that the ray starts on the outside of, and cannot meet again; `NO_PRIMITIVE` if there is none.
     departed: u32,
+    /// The sphere that the ray ends before; `NO_PRIMITIVE` if there is none.
+    light: u32,
     /// How far the origin is from where it should be, at most; scene units.
     error: R::Wide,
     direction: [R; 3],
@@ -85,6 +87,7 @@ impl<R: Real> PreparedRay<R> {
             origin: ray.origin.to_array(),
             tmin: ray.tmin,
             departed: from.sphere,
+            light: from.light,
             error: from.error.widen(),
             direction,
             square: if usual { square } else { R::NAN },
@@ -100,6 +103,12 @@ impl<R: Real> PreparedRay<R> {
                 Shear::NONE
             },
         }
+    }
+
+    /// Whether it certainly does not meet a sphere.
+    #[inline(always)]
+    fn leaves_out(&self, sphere: u32) -> bool {
+        sphere == self.departed || sphere == self.light
     }
 }
 
@@ -200,7 +209,7 @@ impl<'a, R: Real> Geometry<'a, R> {
     #[inline(always)]
     pub(crate) fn test_all<E: EffectSet, const ANY: bool>(&self, ray: &PreparedRay<R>, best: &mut Hit<R>) {
         if const { E::EFFECTS.contains(Effects::SPHERES) } {
-            for index in (0..self.spheres.len() as u32).filter(|&index| index != ray.departed) {
+            for index in (0..self.spheres.len() as u32).filter(|&index| !ray.leaves_out(index)) {
                 self.test_sphere::<E>(ray, index, best);
                 if ANY && best.primitive != NO_PRIMITIVE {
                     return;
@@ -238,7 +247,7 @@ impl<'a, R: Real> Geometry<'a, R> {
             }
             for at in set_bits(candidates) {
                 let index = quads[at / 4].primitives()[at % 4];
-                if index == ray.departed {
+                if ray.leaves_out(index) {
                     continue;
                 }
                 self.test_sphere::<E>(ray, index, best);
