@@ -3,7 +3,9 @@
 
 use std::collections::BTreeSet;
 
-use ocellus_kernel::bvh::{Bounds, Branch, BuildItem, Bvh, BvhStorage, Child, MAX_DEPTH, Structure, required_nodes};
+use ocellus_kernel::bvh::{
+    self, Bounds, Branch, BuildItem, Bvh, BvhStorage, Child, Join, MAX_DEPTH, Structure, required_nodes,
+};
 use ocellus_kernel::error::{Capacity, CapacityError};
 use ocellus_kernel::real::{Real, Vec3, Vector};
 use ocellus_kernel::shape::{Geometry, triangle};
@@ -24,6 +26,7 @@ in_both_precisions!(
     every_primitive_is_in_one_leaf_whose_boxes_hold_it,
     hostile_input_builds_within_the_depth_limit,
     storage_on_the_stack_equals_boxed_slices,
+    threads_change_nothing,
     storage_that_is_too_small_is_named,
     required_nodes_are_enough,
     invalid_rays_miss,
@@ -300,6 +303,40 @@ fn storage_on_the_stack_equals_boxed_slices<R: Real>() {
         let spheres = |bvh: Bvh<'_, R>| bvh.sphere_quads().iter().map(|quad| *quad.primitives()).collect::<Vec<_>>();
         assert_eq!(spheres(boxed), spheres(on_stack));
     }
+}
+
+/// Two threads at most, for each two things that can be done at once; the second is begun first.
+struct TwoThreads;
+
+impl Join for TwoThreads {
+    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        std::thread::scope(|scope| {
+            let b = scope.spawn(b);
+            (a(), b.join().expect("no panic"))
+        })
+    }
+}
+
+/// Enough spheres and triangles for subtrees to be put off, and for work to be halved more than once.
+fn threads_change_nothing<R: Real>() {
+    let mut random = Random::new(25);
+    let mut owned = mixture::<R>(&mut random, 20_000, 30_000);
+    let grey = owned.diffuse(0.5, 0.0);
+    owned.mesh(&cube(70), grey);
+    let geometry = owned.geometry();
+    assert!(geometry.len() > 100_000);
+    let [mut alone, mut together] = [0; 2].map(|_| Room::<R>::for_scene(&geometry));
+    let alone = alone.build(&geometry, Structure::Bvh).expect("room for all");
+    let Room { nodes, sphere_quads, triangle_quads, scratch } = &mut together;
+    let plan = bvh::plan(&geometry, Structure::Bvh, nodes, scratch, &TwoThreads).expect("room for all");
+    let together = plan.fill(sphere_quads, triangle_quads, &TwoThreads).expect("room for all");
+    assert!(alone.nodes() == together.nodes());
+    let primitives = |bvh: Bvh<'_, R>| -> (Vec<_>, Vec<_>) {
+        let triangles = bvh.triangle_quads().iter().flat_map(|quad| quad.triangles().map(|it| it.0));
+        (bvh.sphere_quads().iter().map(|quad| *quad.primitives()).collect(), triangles.collect())
+    };
+    assert!(primitives(alone) == primitives(together));
+    owned.lend(Some(Structure::Bvh), |scene| check_hierarchy(scene, scene.bvh().expect("a hierarchy")));
 }
 
 fn storage_that_is_too_small_is_named<R: Real>() {

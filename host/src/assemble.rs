@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Instant;
 
 use glam::{DMat3, DVec3};
-use ocellus_kernel::bvh::{self, BuildItem, Bvh, Node, Structure};
+use ocellus_kernel::bvh::{self, BuildItem, Bvh, Join, Node, Structure};
 use ocellus_kernel::camera::{Camera, CameraSettings, Filter};
 use ocellus_kernel::error::CapacityError;
 use ocellus_kernel::light::{Light, LightSampling, PointLight, SphereLight};
@@ -71,6 +71,15 @@ struct Arrays<R: Real> {
     lights: Vec<Light<R>>,
 }
 
+/// Builds on the threads of the pool that it is called in.
+struct Threads;
+
+impl Join for Threads {
+    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        rayon::join(a, b)
+    }
+}
+
 /// Builds the scene and its view in precision `R` and hands them to `work`; they live as long as it runs.
 ///
 /// # Errors
@@ -104,11 +113,11 @@ pub fn with_view<R: Real, T>(
         None => None,
         Some(structure) => {
             let mut scratch = vec![BuildItem::EMPTY; geometry.len()];
-            let plan = bvh::plan(&geometry, structure, &mut nodes, &mut scratch).map_err(too_small)?;
+            let plan = bvh::plan(&geometry, structure, &mut nodes, &mut scratch, &Threads).map_err(too_small)?;
             let [spheres, triangles] = plan.required_quads();
             sphere_quads.resize(spheres, SphereQuad::EMPTY);
             triangle_quads.resize(triangles, TriangleQuad::EMPTY);
-            Some(plan.fill(&mut sphere_quads, &mut triangle_quads).map_err(too_small)?)
+            Some(plan.fill(&mut sphere_quads, &mut triangle_quads, &Threads).map_err(too_small)?)
         }
     };
 

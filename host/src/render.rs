@@ -149,15 +149,15 @@ fn render_in<R: TableReal>(
         .num_threads(settings.threads)
         .build()
         .map_err(|error| Error::usage(format!("cannot start threads: {error}"), "ask for fewer with --threads"))?;
-    with_view::<R, _>(description, settings.accel, |view, setup| {
+    // Set-up, too, keeps to these threads.
+    let trace = |view: &View<'_, R>, setup: &SetupReport| {
         let required = view.required_effects();
         let row = select(required, settings.effects, settings.accuracy)?;
         let isa = Isa::select(settings.isa)?;
         let mut film = Film::try_new(region)
             .map_err(|error| Error::usage(error.to_string(), "ask for a smaller --size, or for parts with --crop"))?;
         let start = Instant::now();
-        let (work, interrupted) =
-            pool.install(|| passes(view, R::kernels(row).of_isa(isa), &settings.samples, &mut film, monitor));
+        let (work, interrupted) = passes(view, R::kernels(row).of_isa(isa), &settings.samples, &mut film, monitor);
         Ok(Rendering {
             film,
             work,
@@ -169,7 +169,8 @@ fn render_in<R: TableReal>(
             trace_seconds: start.elapsed().as_secs_f64(),
             interrupted,
         })
-    })?
+    };
+    pool.install(|| with_view::<R, _>(description, settings.accel, trace))?
 }
 
 /// Renders pass after pass of all rows; returns the work done and whether it was stopped.

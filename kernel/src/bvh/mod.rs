@@ -5,6 +5,7 @@ mod bounds;
 mod build;
 mod crossings;
 mod extent;
+mod grow;
 mod near;
 mod node;
 mod split;
@@ -12,7 +13,7 @@ mod traverse;
 mod walk;
 
 pub use bounds::{Bounds, Slabs};
-pub use build::{Plan, Structure, build, plan};
+pub use build::{InTurn, Join, Plan, Structure, build, plan};
 pub use crossings::crossings;
 pub use extent::BuildItem;
 pub(crate) use near::any_triangle_near;

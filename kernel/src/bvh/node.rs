@@ -104,9 +104,9 @@ impl<R: Real> Node<R> {
         self.children[lane]
     }
 
-    /// Makes child `lane` a leaf of a part's items, until [`Node::set_leaf`] knows their quads.
-    pub(super) fn set_items(&mut self, lane: usize, part: &Part<R>) {
-        self.children[lane] = part.first as u32;
+    /// Makes child `lane` a leaf of a part's items, which count from `base`, until [`Node::set_leaf`] knows their quads.
+    pub(super) fn set_items(&mut self, lane: usize, base: usize, part: &Part<R>) {
+        self.children[lane] = (base + part.first) as u32;
         self.counts[lane] = part.count as u32;
         for (corners, corner) in self.corners.iter_mut().zip(part.bounds.bounds().corners) {
             for (axis, value) in corners.iter_mut().zip(corner) {
@@ -126,6 +126,16 @@ impl<R: Real> Node<R> {
     pub(super) fn set_node(&mut self, lane: usize, node: u32) {
         self.children[lane] = node;
         self.counts[lane] = 0;
+    }
+
+    /// Adds to the numbers of children that are nodes, before any leaf has its quads.
+    pub(super) fn renumber(&mut self, by: usize) {
+        for (child, count) in self.children.iter_mut().zip(self.counts) {
+            // No child is node 0.
+            if count == 0 && *child > 0 {
+                *child += by as u32;
+            }
+        }
     }
 
     /// Points a leaf at its quads. Leaves of more than [`MAX_LEAF_QUADS`] must hold all that there are.

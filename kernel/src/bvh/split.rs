@@ -1,5 +1,6 @@
 //! Where to cut a range of primitives in two: binned surface area heuristic (Wald 2007).
 
+use super::build::{FEW_ITEMS, Join};
 use super::extent::{BuildItem, Extent, around, grown};
 use super::node::MAX_LEAF_QUADS;
 use crate::lanes::Lanes;
@@ -52,10 +53,16 @@ impl<R: Real> Part<R> {
     }
 
     /// Cuts it in two, each in its place; the other half is returned. `None` where a leaf is better.
-    pub(super) fn split(&mut self, items: &mut [BuildItem<R>], cut: Cut, filled: &mut Filled<R>) -> Option<Self> {
+    pub(super) fn split(
+        &mut self,
+        items: &mut [BuildItem<R>],
+        cut: Cut,
+        filled: &mut Filled<R>,
+        join: &impl Join,
+    ) -> Option<Self> {
         let range = &mut items[self.first..self.first + self.count];
         let is_too_large = quads(self.count) > MAX_LEAF_QUADS;
-        let plane = if cut == Cut::Best { best_plane(range, &self.keys, filled) } else { None };
+        let plane = if cut == Cut::Best { best_plane(range, &self.keys, filled, join) } else { None };
         let whole = *self;
         let right = match plane {
             Some(plane) => {
@@ -150,10 +157,37 @@ pub(super) struct Filled<R: Real>([[(Extent<R>, usize); 3]; MAX_BINS]);
 
 impl<R: Real> Filled<R> {
     pub(super) const EMPTY: Self = Self([[(Extent::EMPTY, 0); 3]; MAX_BINS]);
+
+    /// Puts items, and nothing else, into bins.
+    fn fill(&mut self, items: &[BuildItem<R>], bins: &Bins<R>, join: &impl Join) {
+        if items.len() > FEW_ITEMS {
+            let (some, more) = items.split_at(items.len() / 2);
+            let mut other = Self::EMPTY;
+            join.join(|| self.fill(some, bins, join), || other.fill(more, bins, join));
+            let both = self.0.as_flattened_mut().iter_mut().zip(other.0.as_flattened());
+            both.for_each(|((bounds, held), more)| (*bounds, *held) = (bounds.union(&more.0), *held + more.1));
+            return;
+        }
+        let filled = &mut self.0[..bins.count];
+        filled.fill([(Extent::EMPTY, 0); 3]);
+        for item in items {
+            let [x, y, z, _] = bins.of(item);
+            for (axis, bin) in [x, y, z].into_iter().enumerate() {
+                let (bounds, held) = &mut filled[bin][axis];
+                *bounds = bounds.union(&item.extent);
+                *held += 1;
+            }
+        }
+    }
 }
 
 /// The cheapest of the planes between bins; `None` where all keys fall into one bin on every axis.
-fn best_plane<R: Real>(items: &[BuildItem<R>], keys: &Extent<R>, filled: &mut Filled<R>) -> Option<Plane<R>> {
+fn best_plane<R: Real>(
+    items: &[BuildItem<R>],
+    keys: &Extent<R>,
+    filled: &mut Filled<R>,
+    join: &impl Join,
+) -> Option<Plane<R>> {
     let count = (8 + items.len() / 16).min(MAX_BINS);
     let extent = keys.high - keys.low;
     let scale = extent.to_array().map(|extent| {
@@ -161,16 +195,8 @@ fn best_plane<R: Real>(items: &[BuildItem<R>], keys: &Extent<R>, filled: &mut Fi
         if extent > R::ZERO && scale.is_finite() { scale } else { R::ZERO }
     });
     let bins = Bins { count, low: keys.low, scale: R::Lanes::new(scale) };
-    let filled = &mut filled.0[..count];
-    filled.fill([(Extent::EMPTY, 0); 3]);
-    for item in items {
-        let [x, y, z, _] = bins.of(item);
-        for (axis, bin) in [x, y, z].into_iter().enumerate() {
-            let (bounds, held) = &mut filled[bin][axis];
-            *bounds = bounds.union(&item.extent);
-            *held += 1;
-        }
-    }
+    filled.fill(items, &bins, join);
+    let filled = &filled.0[..count];
     let mut best: Option<Plane<R>> = None;
     for axis in (0..3).filter(|&axis| scale[axis] > R::ZERO) {
         // Costs of what lies right of each plane, then a sweep from the left.

@@ -1,10 +1,11 @@
 //! Ocellus. All that this program uses of the kernel is in this file.
 
 use glam::Vec3;
-use ocellus_kernel::bvh::{self, BuildItem, Bvh, Node, Structure};
+use ocellus_kernel::bvh::{self, BuildItem, Bvh, Join, Node, Structure};
 use ocellus_kernel::material::{Diffuse, Material, Scattering};
 use ocellus_kernel::shape::{Geometry, TriangleAttributes, TriangleQuad};
 use ocellus_kernel::{EffectSet, Effects, Scene, SceneParts};
+use rayon::ThreadPoolBuilder;
 
 use crate::isa::{Isa, Work};
 use crate::measure::{median, seconds};
@@ -25,7 +26,7 @@ impl<const ISA: u8> EffectSet for Triangles<ISA> {
 /// A scene that can be queried, and what it took.
 pub(crate) struct Ours<'a> {
     scene: Scene<'a, f32>,
-    build_seconds: f64,
+    build_seconds: [f64; 2],
     bytes_per_triangle: f64,
 }
 
@@ -41,17 +42,20 @@ pub(crate) fn with_scene<T>(mesh: &Mesh, builds: usize, work: impl FnOnce(&Ours<
         let room = Room::new(&geometry);
         Ok::<_, String>((geometry, room))
     };
-    let mut times = Vec::new();
-    for _ in 1..builds {
-        let (time, built) = seconds(1, || ready().and_then(|(geometry, mut room)| room.build(&geometry).map(|_| ())));
-        built?;
-        times.push(time);
-    }
-    let (time, made) = seconds(1, ready);
-    let (geometry, mut room) = made?;
-    let (rest, built) = seconds(1, || room.build(&geometry));
-    let bvh = built?;
-    times.push(time + rest);
+    let on = |threads| {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
+        let mut times = Vec::new();
+        for _ in 0..builds {
+            let build = || ready().and_then(|(geometry, mut room)| room.build(&geometry).map(|_| ()));
+            let (time, built) = pool.install(|| seconds(threads, build));
+            built?;
+            times.push(time);
+        }
+        Ok::<_, String>(median(&mut times))
+    };
+    let build_seconds = [on(1)?, on(2)?];
+    let (geometry, mut room) = ready()?;
+    let bvh = room.build(&geometry)?;
 
     let scene = Scene::new(SceneParts {
         geometry,
@@ -68,9 +72,18 @@ pub(crate) fn with_scene<T>(mesh: &Mesh, builds: usize, work: impl FnOnce(&Ours<
     let bytes = size_of_val(bvh.nodes()) + size_of_val(bvh.triangle_quads());
     Ok(work(&Ours {
         scene,
-        build_seconds: median(&mut times),
+        build_seconds,
         bytes_per_triangle: bytes as f64 / mesh.triangles.len() as f64,
     }))
+}
+
+/// Builds on the threads of the pool that it is called in.
+struct Threads;
+
+impl Join for Threads {
+    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+        rayon::join(a, b)
+    }
 }
 
 /// What the hierarchy is built in.
@@ -90,10 +103,10 @@ impl Room {
     }
 
     fn build(&mut self, geometry: &Geometry<'_, f32>) -> Result<Bvh<'_, f32>, String> {
-        let plan = bvh::plan(geometry, Structure::Bvh, &mut self.nodes, &mut self.scratch);
+        let plan = bvh::plan(geometry, Structure::Bvh, &mut self.nodes, &mut self.scratch, &Threads);
         let plan = plan.map_err(|error| error.to_string())?;
         self.triangle_quads.resize(plan.required_quads()[1], TriangleQuad::EMPTY);
-        plan.fill(&mut [], &mut self.triangle_quads).map_err(|error| error.to_string())
+        plan.fill(&mut [], &mut self.triangle_quads, &Threads).map_err(|error| error.to_string())
     }
 }
 
@@ -106,7 +119,7 @@ impl<'a> Ours<'a> {
         Row {
             name: NAME,
             isa,
-            build_seconds: [Some(self.build_seconds), None],
+            build_seconds: self.build_seconds.map(Some),
             bytes_per_triangle: self.bytes_per_triangle,
             peer: Box::new(Tracer { scene: &self.scene, isa }),
         }
