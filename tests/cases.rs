@@ -92,6 +92,7 @@ const CASES: &[Case] = &[
         &[
             "intersections::spheres_agree_with_exact_arithmetic",
             "hard_cases::rays_from_the_centre_of_a_sphere_go_one_radius",
+            "hard_cases::rays_from_near_the_centre_of_a_sphere_keep_the_bound",
         ],
         "",
     ),
@@ -249,7 +250,12 @@ const CASES: &[Case] = &[
         &["closed_forms::a_point_light_over_a_plane_falls_with_cosine_and_square"],
         "",
     ),
-    case("A4", "a sphere light over a plane", &["closed_forms::a_sphere_light_over_a_plane_has_its_form_factor"], ""),
+    case(
+        "A4",
+        "a sphere light over a plane",
+        &["closed_forms::a_sphere_light_over_a_plane_has_its_form_factor"],
+        "a bias may hide below 0.2 % with cones, 1.2 % with hemispheres, 4 % by chance, not 0.1 %",
+    ),
     case(
         "A5",
         "a polygon light",

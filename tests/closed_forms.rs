@@ -94,7 +94,7 @@ fn a_lamp_in_a_closed_sphere_is_a_geometric_series<R: Real>() {
             });
         }
     }
-    Trials::passed::<R>("A2", "paths, each within 4 u per bounce", 3 * 4 * 8 * 256);
+    Trials::passed::<R>("A2", "paths, each within 16 u and 4 u per bounce", 3 * 4 * 8 * 256);
 }
 
 /// A3. `L = (a / pi) I cos / d^2` at the point that each pixel sees, over six orders of magnitude of size.

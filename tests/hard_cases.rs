@@ -23,6 +23,7 @@ in_both_precisions!(
     rays_that_are_no_rays_end_at_once,
     degenerate_triangles_between_others_open_no_gap,
     rays_from_the_centre_of_a_sphere_go_one_radius,
+    rays_from_near_the_centre_of_a_sphere_keep_the_bound,
     spheres_at_extreme_scales_agree_with_exact_arithmetic,
     moved_meshes_are_hit_alike,
     a_grazed_floor_is_the_same_through_every_structure,
@@ -219,6 +220,31 @@ fn rays_from_the_centre_of_a_sphere_go_one_radius<R: Real>() {
         }
     }
     errors.end(40_000);
+}
+
+/// N19. From near the centre neither root cancels, and both must be as exact as from far away.
+fn rays_from_near_the_centre_of_a_sphere_keep_the_bound<R: Real>() {
+    let mut random = Random::new(1902);
+    let errors = Trials::measured::<R>("N19", "rays from near the centre of a sphere", 1.0, "of its bound");
+    for _ in 0..trials(20_000) {
+        let size = magnitude(&mut random, -4.0, 5.0);
+        let (center, radius) = (v::<R>(random.in_cube()), R::from_f64(size));
+        let away = random.on_sphere();
+        let distance = size * magnitude(&mut random, -4.0, 0.0);
+        let origin = center + v::<R>(away.map(|x| x * distance));
+        // Outward as often as to the other side.
+        let (aside, tilt) = (random.on_sphere(), magnitude(&mut random, -4.0, 1.0));
+        let sign = if random.below(2) == 0 { 1.0 } else { -1.0 };
+        let ray = Ray::<R>::new(origin, v::<R>(std::array::from_fn(|i| sign * (away[i] + tilt * aside[i]))));
+        let mut scene = one_material::<R>();
+        scene.spheres.push(Sphere { center, radius, material: 0, inverted: false });
+        let Some(SphereTruth { t: Some(truth), condition }) = sphere_truth(center, radius, &ray) else { continue };
+        let t = scene.lend(Some(Structure::Bvh), |scene| scene.intersect(&ray)).map_or(f64::NAN, |hit| hit.t.to_f64());
+        let bound = tolerance::SPHERE_T * u::<R::Wide>() * condition
+            + tolerance::by_precision::<R>(tolerance::ROUNDED, 0.0) * u::<R>() * truth;
+        errors.error((t - truth).abs() / bound, || format!("{ray:?} in {center:?} {radius:?}: {t} {truth}"));
+    }
+    errors.end(15_000);
 }
 
 /// N20. Radii of 1e-20, whose squares vanish in f32, coordinates of 1e18, and directions of 1e-6 to 1e6: answers and

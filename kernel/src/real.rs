@@ -91,7 +91,8 @@ pub trait Real:
     ///
     /// f32: the products are exact in f64. f64: both products are split into value and error (Dekker 1971).
     fn difference_of_products(a: Self, b: Self, c: Self, d: Self) -> Self::Wide;
-    /// The squared length of a vector within `gamma(1)` of `Self`, as long as no square over- or underflows.
+    /// The squared length of a vector within `gamma(1)` of `Self`, as long as no square overflows and none that
+    /// counts is below 2^-969 (f64), where its error underflows.
     ///
     /// f32: in f64. f64: with the errors of all squares and sums (Ogita, Rump, Oishi 2005).
     fn squared_length(v: [Self; 3]) -> Self::Wide;

@@ -54,6 +54,14 @@ pub fn normalize<R: Real>(v: Vec3<R>) -> Vec3<R> {
 /// [`normalize`] of a vector that already is in the wide precision.
 #[inline]
 pub fn normalize_wide<R: Real>(v: WideVec3<R>) -> WideVec3<R> {
+    if R::WIDE_IS_SELF {
+        // No bits to spare: what roundings did to the length is taken off again, and only the last of them remains.
+        let square = |v: WideVec3<R>| R::squared_length(narrow::<R>(v).to_array());
+        let length = square(v).sqrt();
+        let unit: WideVec3<R> = Vector::from_array(v.to_array().map(|x| x / length));
+        let off = (R::Wide::ONE - square(unit)) * R::Wide::from_f64(0.5);
+        return if length > R::Wide::ZERO { unit + unit * off } else { v };
+    }
     let square = v.dot(v);
     if square > R::Wide::ZERO { v * (R::Wide::ONE / square.sqrt()) } else { v }
 }

@@ -166,6 +166,9 @@ pub(crate) fn triangle_truth<R: Real>(corners: &[Vec3<R>; 3], ray: &Ray<R>) -> O
     Some(TriangleTruth { inside, behind: t <= exact(0.0), unit, t, steepness })
 }
 
+/// The name of a closed mesh so small that products of its coordinates are zero in f32.
+pub(crate) const VANISHING: &str = "1e-25 in size";
+
 /// Meshes whose neighbourhood of the centre stays inside whatever the rounding of their corners.
 pub(crate) fn closed_meshes() -> Vec<(&'static str, Mesh, [f64; 3], f64)> {
     let jitter = || {
@@ -187,6 +190,8 @@ pub(crate) fn closed_meshes() -> Vec<(&'static str, Mesh, [f64; 3], f64)> {
         ("at 1e4", placed(jitter(), [1e4, -1e4, 1e4], 1.0), [1e4, -1e4, 1e4], 0.5),
         ("1e-4 in size", placed(jitter(), origin, 1e-4), origin, 0.5e-4),
         ("1e-12 in size", placed(jitter(), origin, 1e-12), origin, 0.5e-12),
+        (VANISHING, placed(jitter(), origin, 1e-25), origin, 0.5e-25),
+        ("100 in size at 1e6", placed(jitter(), [1e6, -1e6, 1e6], 100.0), [1e6, -1e6, 1e6], 50.0),
         ("1e6 in size", placed(jitter(), origin, 1e6), origin, 0.5e6),
         ("needles", icosphere(3).map(|[x, y, z]| [x, 1e-3 * y, 1e3 * z]), origin, 0.5e-3),
     ]

@@ -18,10 +18,11 @@ pub(crate) fn by_precision<R: Real>(single: f64, double: f64) -> f64 {
 /// correction is the same to this many digits).
 pub(crate) const SIGNIFICANCE: f64 = 1e-4 / 200.0;
 
-/// Error in u of the length and the direction of a normalized vector. f32: one rounding of an f64 result. f64: a sum
-/// of three squares (3 u, halved by the root), root, quotient and product: 4.5 u.
+/// Error in u of the length and the direction of a normalized vector. f32: one rounding of an f64 result. f64: what
+/// the rest did to the length is known to 0.5 u and taken off, which rounds each component once more, its direction with
+/// it by 2 u at most.
 pub(crate) fn unit_length<R: Real>() -> f64 {
-    by_precision::<R>(1.01, 4.5)
+    by_precision::<R>(1.01, 2.0)
 }
 
 /// Length of the shortest vector that can be normalized: its square is a normal number in f64.
@@ -29,7 +30,7 @@ pub(crate) const SHORTEST: f64 = 1e-153;
 
 /// Error in u of the lengths and scalar products of a frame: Duff et al. measured 2.9 u in f32 for an exact normal,
 /// 5.4 u in f64; a normal that is itself [`unit_length`] off adds to that.
-pub(crate) const FRAME: f64 = 10.0;
+pub(crate) const FRAME: f64 = 6.0;
 
 /// Below this many u M / r a ray grazes its sphere: the side on which it leaves is not decided by its bits.
 pub(crate) const GRAZING: f64 = 64.0;
@@ -46,7 +47,7 @@ pub(crate) const CAMERA_AXIS: f64 = 6.0;
 
 /// Error in u of a component of a pixel's direction: position on the film 2 u, axes exact, length 3 u; in f64 the
 /// tangent of the oracle adds its own.
-pub(crate) const CAMERA_PIXEL: f64 = 6.0;
+pub(crate) const CAMERA_PIXEL: f64 = 4.0;
 
 /// Distance in u of the scene's size between rays of one pixel where they should meet: direction 5 u, lens point
 /// 3 u, and the test's own intersection with the plane.
@@ -81,11 +82,11 @@ pub(crate) const TRIANGLE_EDGE: f64 = 16.0;
 pub(crate) const TRIANGLE_T: f64 = 8.0;
 
 /// Distance in u M of the barycentric point from the ray.
-pub(crate) const BARYCENTRIC: f64 = 16.0;
+pub(crate) const BARYCENTRIC: f64 = 8.0;
 
 /// Error in u of the squared length of a direction, or of the radius of a point, made from two numbers: sine and
 /// cosine 1 u each, two roots, products and a frame.
-pub(crate) const UNIT_SAMPLE: f64 = 16.0;
+pub(crate) const UNIT_SAMPLE: f64 = 8.0;
 
 /// Relative error in u of the solid angle of a cone.
 pub(crate) const SOLID_ANGLE: f64 = 8.0;
@@ -115,7 +116,12 @@ pub(crate) fn bias(sampling: LightSampling) -> f64 {
 /// Share of paths that may still be inside of a body of glass after 200 scattering events.
 pub(crate) const TRAPPED: f64 = 1e-3;
 
-/// Error in u of a reflectance formed from given cosines: their own rounding, magnified up to 5 times where refraction
+/// Error in u of a reflectance of given cosines: away from angles at which all is reflected, and near them, where
+/// amplitudes of nearly 1 are each off by up to 4 u, hence their squares by twice that.
+pub(crate) const FRESNEL_GIVEN: f64 = 4.0;
+pub(crate) const FRESNEL_EDGE: f64 = 8.0;
+
+/// Error in u of a reflectance of an angle whose cosines are rounded first: magnified up to 5 times where refraction
 /// nears its end (sine 0.99), squared; and the oracle's.
 pub(crate) const FRESNEL: f64 = 64.0;
 

@@ -8,10 +8,10 @@ use std::io::Write as _;
 
 use ocellus_kernel::Real;
 
-/// How many trials to run: `usual`, or `OCELLUS_TRIALS` if that is more.
-pub(crate) fn trials(usual: u32) -> u32 {
+/// How many trials to run: `least`, or `OCELLUS_TRIALS`, 100,000 by default, if that is more.
+pub(crate) fn trials(least: u32) -> u32 {
     let asked = std::env::var("OCELLUS_TRIALS").ok().map(|text| text.parse().expect("OCELLUS_TRIALS is a number"));
-    asked.unwrap_or(0).max(usual)
+    asked.unwrap_or(100_000).max(least)
 }
 
 /// The trials of one class of inputs of one numbered case. Shared references suffice, so that closures can use it.

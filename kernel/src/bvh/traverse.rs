@@ -32,7 +32,8 @@ pub fn occluded<R: Real, E: EffectSet>(geometry: &Geometry<'_, R>, bvh: Option<&
 }
 
 /// The search behind both: with `ANY` it ends at the first hit. The sphere on whose outside the ray starts is left out,
-/// since it cannot be met: so nothing changes but the time.
+/// since it cannot be met: so nothing changes but the time. And so is the light that it ends before, which rounding alone
+/// could put in its way.
 #[inline(always)]
 pub(crate) fn search<R: Real, E: EffectSet, const ANY: bool>(
     geometry: &Geometry<'_, R>,

@@ -63,7 +63,10 @@ pub(crate) fn direct<R: Real, E: EffectSet>(
         let v = R::from_unit_bits(numbers[1].wrapping_add(shift.wrapping_mul(0x91E1_0DA5)));
         let sampled = match light {
             Light::Point(light) if const { E::EFFECTS.contains(Effects::POINT_LIGHT) } => light.sample(point),
-            Light::Sphere(light) if const { E::EFFECTS.contains(Effects::SPHERE_LIGHT) } => {
+            // From its own outside no light is seen.
+            Light::Sphere(light)
+                if const { E::EFFECTS.contains(Effects::SPHERE_LIGHT) } && light.sphere != departure.sphere =>
+            {
                 light.sample(scene, options.light_sampling, point, u, v)
             }
             _ => None,

@@ -105,7 +105,7 @@ impl<R: Real> PreparedRay<R> {
         }
     }
 
-    /// Whether it certainly does not meet a sphere.
+    /// Whether a sphere is one that it is not to meet: the one it leaves, the light it ends before.
     #[inline(always)]
     fn leaves_out(&self, sphere: u32) -> bool {
         sphere == self.departed || sphere == self.light

@@ -153,7 +153,7 @@ fn roots<C: Real>(
         let half = ((radius_square - foot_square) * inverse_square).sqrt();
         return Some([t_foot - half, t_foot + half]);
     }
-    let half_square = if foot_square * C::from_f64(4.0) < radius_square {
+    let half_square = if foot_square * C::from_f64(4.0) < radius_square && radius_square.is_finite() {
         radius_square - foot_square
     } else {
         let foot_length = foot_square.sqrt();
@@ -161,16 +161,21 @@ fn roots<C: Real>(
     };
     let mut quotient = half_square / square;
     if foot_square == C::ZERO {
-        // Through the centre nothing else is rounded, and only there does this add anything: t within 2 u.
+        // From the centre nothing else is rounded: t within 2 u.
         let refined = quotient + C::narrow(C::difference_of_products(radius, radius, quotient, square)) / square;
         quotient = if refined.is_finite() { refined } else { quotient };
     }
     let half = quotient.sqrt();
     // Not by the sign of zero: at the centre neither root is the larger, and the one ahead is half a chord.
     let larger = if t_foot < C::ZERO { t_foot - half } else { t_foot + half };
-    let distance = to_center.dot(to_center).sqrt();
-    let product = (distance - radius) * (distance + radius) / square;
-    let other = if larger == C::ZERO { C::ZERO } else { product / larger };
+    let other = if t_foot.abs() * C::from_f64(4.0) < half {
+        // Hardly anything cancels, and the product would round more often.
+        if t_foot < C::ZERO { t_foot + half } else { t_foot - half }
+    } else {
+        let distance = to_center.dot(to_center).sqrt();
+        let product = (distance - radius) * (distance + radius) / square;
+        if larger == C::ZERO { C::ZERO } else { product / larger }
+    };
     Some(if larger < other { [larger, other] } else { [other, larger] })
 }
 
