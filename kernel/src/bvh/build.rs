@@ -63,7 +63,7 @@ pub struct Plan<'a, 'b, R: Real> {
 /// Builds a hierarchy of `geometry` in the caller's slices.
 ///
 /// The same geometry gives the same hierarchy on every target. Any input will do: equal centres, NaN and infinite
-/// corners; the depth stays within [`MAX_DEPTH`].
+/// corners; the depth stays within [`MAX_DEPTH`](super::MAX_DEPTH).
 ///
 /// # Errors
 /// [`CapacityError`] where a slice is shorter than [`BvhSlices`] says, or the scratch than the number of primitives.
