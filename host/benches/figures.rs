@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p ocellus --bench figures -- speed`         paths per second, figure 5c at its bounds
 //! `cargo bench -p ocellus --bench figures -- accel`         figure 4's mesh: none, box and BVH in one run
-//! `cargo bench -p ocellus --bench figures -- instructions`  specialised kernels against the one that does everything
+//! `cargo bench -p ocellus --bench figures -- instructions`  specialised kernels against the one that does everything, and
+//!                                                           against what they took before
 //! `cargo bench -p ocellus --bench figures -- hashes`        the golden hashes of `cargo test`, with this build
 //!
 //! Without an argument all of them run. `instructions` needs valgrind. With `--profile unoptimised` the program is
@@ -25,6 +26,8 @@ type Bench = fn() -> Outcome;
 const FIGURES: [&str; 9] = ["fig2a", "fig2b", "fig2c", "fig2d", "fig4", "fig5a", "fig5b", "fig5c", "fig5d"];
 /// Figure 5c's floor on the two cores that it was set for, paths per second.
 const SPEED_FLOOR: f64 = 1.2e6;
+/// By how much instructions may grow: what another compiler's choices or another C library's copies make of them.
+const MARGIN: f64 = 0.03;
 const PROGRAM: &str = env!("CARGO_BIN_EXE_ocellus");
 
 fn main() -> ExitCode {
@@ -155,30 +158,55 @@ fn hashes() -> Outcome {
     if equal == 0 { Err("no hash to compare with".into()) } else { Ok(()) }
 }
 
-/// Instructions of each figure in its own kernel and in the one that does everything; set-up is the same in both.
+/// Instructions of each figure in its own kernel and in the one that does everything, set-up included, and beside what
+/// they were when they were last written down: `OCELLUS_BLESS=1` writes them.
 fn instructions() -> Outcome {
-    println!("instructions: 32 x 32 pixels, 4 samples, one thread, counted by callgrind");
-    println!("{:<8} {:>20} {:>16} {:>16} {:>8}", "figure", "kernel", "specialised", "everything", "ratio");
-    let mut slower = Vec::new();
+    println!("instructions: 32 x 32 pixels, 4 samples, one thread, without AVX2, counted by callgrind");
+    println!(
+        "{:<8} {:>20} {:>16} {:>16} {:>8} {:>10}",
+        "figure", "kernel", "specialised", "everything", "ratio", "to before"
+    );
+    let written = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/instructions.txt");
+    let before = std::fs::read_to_string(&written)?;
+    let (mut slower, mut grown, mut lines) = (Vec::new(), Vec::new(), String::new());
     for name in FIGURES {
         let (own, kernel, hash) = count(&figure(name), "auto")?;
         let (all, _, hash_of_all) = count(&figure(name), "all")?;
         if hash != hash_of_all {
             return Err(format!("{name}: the kernels differ in their pictures").into());
         }
-        println!("{name:<8} {kernel:>20} {own:>16} {all:>16} {:>8.3}", own as f64 / all as f64);
+        let was = before.lines().find_map(|line| line.strip_prefix(name)?.trim().parse::<f64>().ok());
+        let change = was.map_or(f64::NAN, |was| own as f64 / was);
+        let ratio = own as f64 / all as f64;
+        println!("{name:<8} {kernel:>20} {own:>16} {all:>16} {ratio:>8.3} {change:>10.3}");
         if own > all {
             slower.push(name);
         }
+        if !(change <= 1.0 + MARGIN) {
+            grown.push(name);
+        }
+        lines += &format!("{name} {own}\n");
     }
-    if slower.is_empty() { Ok(()) } else { Err(format!("specialised is slower on {}", slower.join(", ")).into()) }
+    if std::env::var_os("OCELLUS_BLESS").is_some() {
+        std::fs::write(&written, lines)?;
+        grown.clear();
+    }
+    if !slower.is_empty() {
+        return Err(format!("specialised is slower on {}", slower.join(", ")).into());
+    }
+    if !grown.is_empty() {
+        let figures = grown.join(", ");
+        return Err(format!("more instructions than in {} on {figures}: find out why", written.display()).into());
+    }
+    Ok(())
 }
 
 /// Instructions of a render by callgrind, the kernel it used and its picture's hash.
 fn count(scene: &Path, effects: &str) -> Result<(u64, String, Value), Box<dyn Error>> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let picture = folder.join("bench.exr");
-    let render = ["render", "--json", "--threads", "1", "--size", "32x32", "--spp", "4", "--effects", effects, "-o"];
+    let mut render = vec!["render", "--json", "--threads", "1", "--isa", "baseline", "--size", "32x32", "--spp", "4"];
+    render.extend(["--effects", effects, "-o"]);
     let arguments = render.into_iter().map(OsStr::new).chain([picture.as_os_str(), scene.as_os_str()]);
     let (counted, output) = callgrind::count(PROGRAM, arguments)?;
     let report: Value = serde_json::from_slice(&output)?;
