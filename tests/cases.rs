@@ -179,6 +179,7 @@ const CASES: &[Case] = &[
             "sampling::the_cosine_hemisphere_follows_its_density",
             "sampling::the_disk_is_uniform",
             "sampling::the_cone_is_uniform_in_solid_angle",
+            "sampling::directions_to_a_sphere_are_uniform",
             "sampling::the_gaussian_is_normal",
             "sampling::the_tent_is_a_tent",
         ],

@@ -17,6 +17,7 @@ in_both_precisions!(
     the_cosine_hemisphere_follows_its_density,
     the_disk_is_uniform,
     the_cone_is_uniform_in_solid_angle,
+    directions_to_a_sphere_are_uniform,
     the_gaussian_is_normal,
     the_tent_is_a_tent,
     corners_of_the_square_are_finite_and_in_range,
@@ -84,6 +85,32 @@ fn the_disk_is_uniform<R: Real>() {
     }
     assert_follows("disk", &counts, &expected(|radius| radius * radius));
     Trials::passed::<R>("N34", "disk", pairs::<R>().count() as u32);
+}
+
+/// Directions to a sphere from inside, from just off its surface and from afar, as its light forms them: uniform in solid
+/// angle, at every azimuth alike. In a frame askew.
+fn directions_to_a_sphere_are_uniform<R: Real>() {
+    let toward = ocellus_kernel::robust::normalize::<R::Wide>(v::<R::Wide>([0.3, -0.8, -0.4]));
+    let across = ocellus_kernel::warp::frame::<R::Wide>(toward);
+    // Heights above the surface, in radii.
+    for height in [-0.5, 1e-3, 0.1, 1.0, 100.0, 1e4] {
+        let sine_square = if height < 0.0 { 1.5 } else { 1.0 / ((1.0 + height) * (1.0 + height)) };
+        let versine = if height < 0.0 { 2.0 } else { sine_square / (1.0 + (1.0f64 - sine_square).sqrt()) };
+        let mut counts = vec![0; ROWS * COLUMNS];
+        for [a, b] in pairs::<R>() {
+            let sample = cone(R::Wide::from_f64(sine_square), a.widen());
+            let (sine, cosine) = b.sin_cos_turns();
+            let local = Vector::new(cosine.widen() * sample.sine, sine.widen() * sample.sine, sample.cosine);
+            let d = to_world::<R::Wide>(toward, local);
+            let [x, y] = across.map(|axis| axis.dot(d).to_f64());
+            let z = toward.dot(d).to_f64();
+            // 1 - z, which would cancel.
+            let drop = if z > 0.0 { (x * x + y * y) / (1.0 + z) } else { 1.0 - z };
+            counts[cell(drop / versine, turn(x, y))] += 1;
+        }
+        assert_follows("directions to a sphere", &counts, &expected(|drop| drop));
+    }
+    Trials::passed::<R>("N34", "directions to a sphere", 6 * pairs::<R>().count() as u32);
 }
 
 /// 1 - cos is uniform up to the edge, the sine belongs to the cosine, and the solid angle is `2 pi (1 - cos)`.
