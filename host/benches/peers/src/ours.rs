@@ -70,11 +70,7 @@ pub(crate) fn with_scene<T>(mesh: &Mesh, builds: usize, work: impl FnOnce(&Ours<
     })
     .map_err(|error| error.to_string())?;
     let bytes = size_of_val(bvh.nodes()) + size_of_val(bvh.triangle_quads());
-    Ok(work(&Ours {
-        scene,
-        build_seconds,
-        bytes_per_triangle: bytes as f64 / mesh.triangles.len() as f64,
-    }))
+    Ok(work(&Ours { scene, build_seconds, bytes_per_triangle: bytes as f64 / mesh.triangles.len() as f64 }))
 }
 
 /// Builds on the threads of the pool that it is called in.
