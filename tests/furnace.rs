@@ -260,16 +260,16 @@ fn reflectance_is_a_fraction_that_equals_its_oracle<R: Real>() {
             let reflected = reflectance(model, &at);
             prop_assert!(reflected >= R::ZERO && reflected <= R::ONE, "{:?} {:?}: {:?}", model, at, reflected);
         }
-        let [cos_i, cos_t, ior_i, ior_t] = [at.cos_i, at.cos_t, at.ior_i, at.ior_t].map(|x| exact(x.to_f64()));
+        let [cos_i, cos_t, exact_i, exact_t] = [at.cos_i, at.cos_t, at.ior_i, at.ior_t].map(|x| exact(x.to_f64()));
         let amplitude = |a: Exact, b: Exact| (&a - &b) / (&a + &b);
-        let s = amplitude(&ior_i * &cos_i, &ior_t * &cos_t);
-        let p = amplitude(&ior_t * &cos_i, &ior_i * &cos_t);
+        let s = amplitude(&exact_i * &cos_i, &exact_t * &cos_t);
+        let p = amplitude(&exact_t * &cos_i, &exact_i * &cos_t);
         let truth = to_f64(&((&s * &s + &p * &p) / exact(2.0)));
         let error = (reflectance(Fresnel::Exact, &at).to_f64() - truth).abs();
         let class = if at.cos_i.to_f64().min(at.cos_t.to_f64()) > 0.14 { &given } else { &edge };
         class.error(error / u::<R>(), || format!("{at:?}"));
         if sine > 0.01 && sine < 0.99 && ratio * sine < 0.99 && ior_i != ior_t {
-            let by_angles = fresnel_by_angles(at.ior_i.to_f64(), at.ior_t.to_f64(), libm::asin(sine));
+            let by_angles = fresnel_by_angles(ior_i, ior_t, libm::asin(sine));
             let error = (reflectance(Fresnel::Exact, &at).to_f64() - by_angles).abs();
             errors.error(error / u::<R>(), || format!("{at:?}"));
         }

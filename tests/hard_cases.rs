@@ -240,8 +240,7 @@ fn rays_from_near_the_centre_of_a_sphere_keep_the_bound<R: Real>() {
         scene.spheres.push(Sphere { center, radius, material: 0, inverted: false });
         let Some(SphereTruth { t: Some(truth), condition }) = sphere_truth(center, radius, &ray) else { continue };
         let t = scene.lend(Some(Structure::Bvh), |scene| scene.intersect(&ray)).map_or(f64::NAN, |hit| hit.t.to_f64());
-        let bound = tolerance::SPHERE_T * u::<R::Wide>() * condition
-            + tolerance::by_precision::<R>(tolerance::ROUNDED, 0.0) * u::<R>() * truth;
+        let bound = tolerance::sphere_t::<R>(condition, truth);
         errors.error((t - truth).abs() / bound, || format!("{ray:?} in {center:?} {radius:?}: {t} {truth}"));
     }
     errors.end(15_000);
@@ -268,8 +267,7 @@ fn spheres_at_extreme_scales_agree_with_exact_arithmetic<R: Real>() {
             let Some(SphereTruth { t: truth, condition }) = sphere_truth(center, radius, &ray) else { continue };
             right.holds(hits[0] == hits[1] && hits[0].is_some() == truth.is_some(), words);
             let (Some(hit), Some(truth)) = (hits[0], truth) else { continue };
-            let bound = tolerance::SPHERE_T * u::<R::Wide>() * condition
-                + tolerance::by_precision::<R>(tolerance::ROUNDED, 0.0) * u::<R>() * truth;
+            let bound = tolerance::sphere_t::<R>(condition, truth);
             errors.error((hit.t.to_f64() - truth).abs() / bound, words);
         }
         right.end(5000);

@@ -53,9 +53,7 @@ fn spheres_agree_with_exact_arithmetic<R: Real>() {
         let Some(SphereTruth { t: truth, condition }) = sphere_truth(center, radius, &ray) else { continue };
         assert_eq!(hit.is_some(), truth.is_some(), "{ray:?} at {center:?} {radius:?}: {hit:?} is not {truth:?}");
         let (Some(hit), Some(truth)) = (hit, truth) else { continue };
-        // What the wide precision does to the problem, and the rounding of its answer where it is wider.
-        let bound = tolerance::SPHERE_T * u::<R::Wide>() * condition
-            + tolerance::by_precision::<R>(tolerance::ROUNDED, 0.0) * u::<R>() * truth;
+        let bound = tolerance::sphere_t::<R>(condition, truth);
         let error = (hit.t.to_f64() - truth).abs();
         errors.error(error / bound, || {
             format!("{ray:?} at {center:?} {radius:?}: t off by {} u", error / (u::<R>() * truth))

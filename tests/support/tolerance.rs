@@ -61,9 +61,16 @@ pub(crate) const FILM_POSITION: f64 = 150.0;
 /// changes if the inputs move by a few roundings.
 pub(crate) const UNDECIDED: f64 = 16.0;
 
-/// Error of a sphere's t in u of the wide precision times its condition number, which is what the stable test proves
-/// where that precision adds no bits. Where it does, the rounding of the answer hides it.
+/// Error of a sphere's t in u of the wide precision times its condition number, counted in millions of trials: the
+/// stable test rounds half a chord by 3 u and the sum by one more where that precision adds no bits. Where it does, the
+/// rounding of the answer hides it.
 pub(crate) const SPHERE_T: f64 = 4.0;
+
+/// What t of a sphere may be off by: what the wide precision does to a problem of this condition, and the rounding of
+/// the answer where that precision is wider.
+pub(crate) fn sphere_t<R: Real>(condition: f64, t: f64) -> f64 {
+    SPHERE_T * u::<R::Wide>() * condition + by_precision::<R>(ROUNDED, 0.0) * u::<R>() * t
+}
 
 /// Error in u of a number that is rounded once.
 pub(crate) const ROUNDED: f64 = 1.0;

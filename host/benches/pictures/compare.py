@@ -20,11 +20,12 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 FIXTURES = HERE.parents[2] / "fixtures" / "reference"
 SIZE = 256
-# As a path tracer's weights grow, so must this: more of the error is in fewer pixels.
+# The error whose time is asked for, and what keeps dark pixels from counting more than others.
 RELMSE = 0.01
 EPSILON = 0.01
 
-ALBEDOS = {
+# Centre, radius and albedo.
+WALLS = {
     "right": ((1000, 0, 0), 940, (0.9, 0.2, 0.9)),
     "left": ((-1000, 0, 0), 940, (0.6, 0.5, 0.1)),
     "ceiling": ((0, 1000, 0), 940, (0.2, 0.5, 0.9)),
@@ -65,7 +66,7 @@ def mitsuba_scene(mi, name, mesh):
         },
         "light": sphere((-10, 25, -10), 5, emitter=light, bsdf=diffuse(0.0)),
     }
-    for wall, (center, radius, albedo) in ALBEDOS.items():
+    for wall, (center, radius, albedo) in WALLS.items():
         scene[wall] = sphere(center, radius, bsdf=diffuse(list(albedo)))
     if name == "spheres":
         glass = {"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}
@@ -144,7 +145,7 @@ def read(file):
 
 
 def relmse(picture, reference, error):
-    """Mean of (x - r)^2 / (r^2 + 0.01), the reference's own noise subtracted."""
+    """Mean of (x - r)^2 / (r^2 + EPSILON), the reference's own noise subtracted."""
     excess = (picture - reference) ** 2 - error**2
     return float(np.mean(excess / (reference**2 + EPSILON)))
 
