@@ -254,7 +254,7 @@ const CASES: &[Case] = &[
     case(
         "A4",
         "a sphere light over a plane",
-        &["closed_forms::a_sphere_light_over_a_plane_has_its_form_factor"],
+        &["form_factors::a_sphere_light_over_a_plane_has_its_form_factor"],
         "a bias may hide below 0.2 % with cones, 1.2 % with hemispheres, 4 % by chance, not 0.1 %",
     ),
     case(

@@ -37,23 +37,24 @@ pub(crate) fn assert_uniform(what: &str, observed: &[u64]) {
     assert_follows(what, observed, &vec![each; observed.len()]);
 }
 
-/// Count, sum and sum of squares of numbers.
+/// Count, mean and squared deviations of numbers, one by one (Welford 1962): means that hardly vary keep their error.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Moments {
     count: f64,
-    sum: f64,
+    mean: f64,
     squares: f64,
 }
 
 impl Moments {
     pub(crate) fn add(&mut self, x: f64) {
         self.count += 1.0;
-        self.sum += x;
-        self.squares += x * x;
+        let before = x - self.mean;
+        self.mean += before / self.count;
+        self.squares += before * (x - self.mean);
     }
 
     pub(crate) fn mean(&self) -> f64 {
-        self.sum / self.count
+        self.mean
     }
 
     /// Standard deviation of one number.
@@ -63,8 +64,12 @@ impl Moments {
 
     /// Variance of the mean.
     fn variance(&self) -> f64 {
-        let spread = self.squares - self.sum * self.sum / self.count;
-        spread.max(0.0) / ((self.count - 1.0) * self.count)
+        self.squares / ((self.count - 1.0) * self.count)
+    }
+
+    /// Standard error of the mean over the mean.
+    pub(crate) fn relative_error(&self) -> f64 {
+        self.variance().sqrt() / self.mean
     }
 
     /// Fails where the mean is not `expected`: more standard errors away than chance allows. `rounding` is the
@@ -91,7 +96,9 @@ impl Moments {
 
     /// How many standard errors the mean is from `expected`, beyond the relative error that arithmetic alone may add.
     pub(crate) fn deviations(&self, expected: f64, rounding: f64) -> f64 {
-        ((self.mean() - expected).abs() - rounding * expected.abs()).max(0.0) / self.variance().sqrt()
+        let beyond = ((self.mean() - expected).abs() - rounding * expected.abs()).max(0.0);
+        // Means that do not vary have no error to count in.
+        if beyond == 0.0 { 0.0 } else { beyond / self.variance().sqrt() }
     }
 
     /// How many standard errors of their difference the means of two samples are apart.
@@ -102,7 +109,7 @@ impl Moments {
     /// Fails where chance alone could hide a bias of `relative`: then the test has no power.
     #[track_caller]
     pub(crate) fn assert_precise(&self, what: &str, relative: f64) {
-        let error = self.variance().sqrt() / self.mean();
+        let error = self.relative_error();
         assert!(error <= relative, "{what}: standard error {error:e} of the mean, want {relative:e}");
     }
 }

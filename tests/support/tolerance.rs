@@ -2,7 +2,6 @@
 //! largest coordinate of a query.
 
 use ocellus_kernel::Real;
-use ocellus_kernel::light::LightSampling;
 
 /// The unit roundoff as f64.
 pub(crate) fn u<R: Real>() -> f64 {
@@ -110,16 +109,6 @@ pub(crate) const LIT_SURFACE: f64 = 16.0;
 /// the inverse cube of the distance magnifies that.
 pub(crate) const LIT_PLANE: f64 = 128.0;
 
-/// Relative standard error that a mean must reach for a bias to show: solid angles hardly vary, points of a
-/// hemisphere that may not be seen do, light found by chance varies most.
-pub(crate) fn bias(sampling: LightSampling) -> f64 {
-    match sampling {
-        LightSampling::Cone => 5e-4,
-        LightSampling::Hemisphere => 3e-3,
-        LightSampling::None => 1e-2,
-    }
-}
-
 /// Share of paths that may still be inside of a body of glass after 200 scattering events.
 pub(crate) const TRAPPED: f64 = 1e-3;
 
@@ -150,17 +139,20 @@ pub(crate) const REVERSED: f64 = 16.0;
 /// Difference in u between reflectances from both sides of one refraction: eight roundings each.
 pub(crate) const RECIPROCAL: f64 = 16.0;
 
-/// Difference in u / (cos_i cos_t) between the shares reflected on the way there and, after the direction was rounded,
-/// on the way back: the cosine of that is [`REVERSED`] u / cos_i off, and a share changes by at most 4 / cos_t of it.
+/// Beyond N33, which asks for [`RECIPROCAL`] of one pair of directions: difference in u / (cos_i cos_t) between the shares
+/// reflected on the way there and, after the direction was rounded, on the way back: the cosine of that is [`REVERSED`] u / cos_i off, and a share changes by at most 4 / cos_t of it.
 pub(crate) const SHARES: f64 = 4.0 * REVERSED;
 
 /// How many standard errors a mean may be from what it should be: 4 come about by chance once in 16,000 times, and
 /// seeds are fixed.
 pub(crate) const DEVIATIONS: f64 = 4.0;
 
-/// Relative standard error that a mean of light found by chance must reach where two million paths look for a large one,
-/// spread evenly over the directions.
-pub(crate) const BY_CHANCE: f64 = 1e-3;
+/// Relative standard error that a mean must reach: [`DEVIATIONS`] of them are 0.1 %, the smallest bias that a test of a
+/// mean must notice.
+pub(crate) const PRECISE: f64 = 2.5e-4;
+
+/// The same where roulette makes up for what it ends, which varies path by path: half a million of them.
+pub(crate) const ROULETTE: f64 = 1e-3;
 
 /// Relative error of a form factor if a polygon stands for the disc around it: it holds the disc of cos(pi / n) times
 /// the radius, and form factors grow no faster than the area.
