@@ -4,23 +4,23 @@ use std::fmt;
 use std::time::Instant;
 
 use glam::{DMat3, DVec3};
-use ocellus_kernel::bvh::{self, BuildItem, Bvh, Join, Node, Structure};
+use ocellus_kernel::bvh::{Bvh, Structure};
 use ocellus_kernel::camera::{Camera, CameraSettings, Filter};
-use ocellus_kernel::error::CapacityError;
 use ocellus_kernel::light::{Light, LightSampling, PointLight, SphereLight};
 use ocellus_kernel::material::{Dielectric, Diffuse, Fresnel, Material, Mirror, Scattering};
 use ocellus_kernel::path::PathOptions;
 use ocellus_kernel::real::{Real, Vec3, vec3_from_f64};
 use ocellus_kernel::scene::{Scene, SceneParts};
-use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleAttributes, TriangleQuad};
+use ocellus_kernel::shape::{Geometry, Sphere, TriangleAttributes};
 use ocellus_kernel::texture::Texture;
 use ocellus_kernel::view::View;
 
 use crate::description::{
-    FilterDescription, FresnelDescription, LightDescription, LightSamplingDescription, MaterialDescription,
-    MeshDescription, ScatteringDescription, SceneDescription,
+    FilterDescription, FresnelDescription, IntegratorDescription, LightDescription, LightSamplingDescription,
+    MaterialDescription, MeshDescription, ScatteringDescription, SceneDescription,
 };
 use crate::error::Error;
+use crate::hierarchy::Hierarchy;
 
 /// How the closest primitive is found. The picture is the same, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -71,15 +71,6 @@ struct Arrays<R: Real> {
     lights: Vec<Light<R>>,
 }
 
-/// Builds on the threads of the pool that it is called in.
-struct Threads;
-
-impl Join for Threads {
-    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
-        rayon::join(a, b)
-    }
-}
-
 /// Builds the scene and its view in precision `R` and hands them to `work`; they live as long as it runs.
 ///
 /// # Errors
@@ -106,19 +97,10 @@ pub fn with_view<R: Real, T>(
         Accel::Box => Some(Structure::Box),
         Accel::Bvh => Some(Structure::Bvh),
     };
-    let mut nodes = vec![Node::EMPTY; structure.map_or(0, |structure| structure.required_nodes(&geometry))];
-    let (mut sphere_quads, mut triangle_quads) = (Vec::new(), Vec::new());
-    let too_small = |error: CapacityError| unusable(error.to_string());
+    let mut hierarchy = Hierarchy::default();
     let bvh = match structure {
         None => None,
-        Some(structure) => {
-            let mut scratch = vec![BuildItem::EMPTY; geometry.len()];
-            let plan = bvh::plan(&geometry, structure, &mut nodes, &mut scratch, &Threads).map_err(too_small)?;
-            let [spheres, triangles] = plan.required_quads();
-            sphere_quads.resize(spheres, SphereQuad::EMPTY);
-            triangle_quads.resize(triangles, TriangleQuad::EMPTY);
-            Some(plan.fill(&mut sphere_quads, &mut triangle_quads, &Threads).map_err(too_small)?)
-        }
+        Some(structure) => Some(hierarchy.build(&geometry, structure).map_err(unusable)?),
     };
 
     let textures: Vec<Texture<'_>> = description
@@ -142,7 +124,7 @@ pub fn with_view<R: Real, T>(
         let remedy = "give position, look_at, up, fov_degrees and the film's size usable values";
         Error::bad_scene(description.camera.origin.clone(), error.to_string(), remedy)
     })?;
-    let options = path_options(description);
+    let options = path_options(&description.integrator);
 
     let report = SetupReport {
         seconds: start.elapsed().as_secs_f64(),
@@ -308,8 +290,8 @@ fn camera_settings(description: &SceneDescription) -> CameraSettings {
     }
 }
 
-fn path_options(description: &SceneDescription) -> PathOptions {
-    let integrator = &description.integrator;
+/// The kernel's words for an integrator.
+pub fn path_options(integrator: &IntegratorDescription) -> PathOptions {
     PathOptions {
         max_bounces: integrator.max_bounces,
         indirect: integrator.indirect,

@@ -12,6 +12,8 @@ use crate::diff::Metric;
 use crate::film::Region;
 use crate::isa::IsaChoice;
 use crate::kernels::EffectChoice;
+use crate::ledger::Target;
+use crate::ledger::levels::Choice;
 use crate::render::Precision;
 
 /// A path tracer that says what accuracy costs.
@@ -34,6 +36,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Say which effects a scene calls for, which line asked for each, and what the render will use.
     Explain(ExplainArgs),
+    /// Measure what accuracy costs in time, for the scene as asked for and with one option at a time at another level.
+    Ledger(LedgerArgs),
     /// Compare two pictures.
     Diff(DiffArgs),
 }
@@ -112,6 +116,39 @@ pub struct ExplainArgs {
     pub scene: SceneArgs,
 }
 
+/// `ocellus ledger`.
+#[derive(Debug, Args)]
+pub struct LedgerArgs {
+    /// The scene and what is changed of it.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Folder for ledger.csv and ledger.json [default: SCENE's name with .ledger].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// What to vary, one at a time, where it can matter to the scene [default: everything].
+    #[arg(long, value_name = "OPTIONS", value_enum, value_delimiter = ',')]
+    pub vary: Vec<Choice>,
+    /// Independent runs of each level; intervals come from how they differ.
+    #[arg(long, value_name = "K", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub runs: u32,
+    /// Seconds for everything, roughly; less of the picture is measured where they are too few.
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = parse_seconds)]
+    pub budget: f64,
+    /// The error whose price is asked for: relmse=X or rmse=X.
+    #[arg(long, value_name = "METRIC=X", default_value = "relmse=0.01", value_parser = parse_target)]
+    pub target: Target,
+    /// A converged picture to compare with, .exr; NAME.se.exr beside it holds its standard errors. Without one, a part of
+    /// the time goes into making it.
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
+    /// Only pixels x0 <= x < x1, y0 <= y < y1.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_crop)]
+    pub crop: Option<Region>,
+    /// Worker threads; 0 is one for each core.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
+    pub threads: u16,
+}
+
 /// `ocellus diff`.
 #[derive(Debug, Args)]
 pub struct DiffArgs {
@@ -152,6 +189,19 @@ fn parse_crop(text: &str) -> Result<Region, String> {
         Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Region { x0, y0, x1, y1 }),
         _ => Err("write x0,y0,x1,y1 with x0 < x1 and y0 < y1; x1 and y1 are not included".to_owned()),
     }
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds > 0.0);
+    parsed.ok_or_else(|| "write seconds, more than 0".to_owned())
+}
+
+fn parse_target(text: &str) -> Result<Target, String> {
+    let example = "write relmse=X or rmse=X with X above 0, as in relmse=0.01";
+    let (metric, value) = text.split_once('=').ok_or(example)?;
+    let metric = metric.parse().ok().filter(|metric| matches!(metric, Metric::Rmse | Metric::RelMse));
+    let value = value.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0);
+    metric.zip(value).map(|(metric, value)| Target { metric, value }).ok_or_else(|| example.to_owned())
 }
 
 #[cfg(test)]

@@ -4,11 +4,12 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use ocellus_kernel::{Accuracy, Effects, View, Work};
+use ocellus_kernel::path::PathOptions;
+use ocellus_kernel::{Accuracy, Effects, Real, View, Work};
 use rayon::prelude::*;
 
-use crate::assemble::{Accel, SetupReport, with_view};
-use crate::description::SceneDescription;
+use crate::assemble::{Accel, SetupReport, path_options, with_view};
+use crate::description::{IntegratorDescription, SceneDescription};
 use crate::error::Error;
 use crate::film::{Film, Region};
 use crate::isa::{Isa, IsaChoice};
@@ -127,17 +128,87 @@ pub fn render(
     settings: &RenderSettings,
     monitor: &impl Monitor,
 ) -> Result<Rendering, Error> {
+    with_tracer(description, settings, |tracer| {
+        let job = tracer.job(&description.integrator, settings)?;
+        let mut film = Film::try_new(settings.region)
+            .map_err(|error| Error::usage(error.to_string(), "ask for a smaller --size, or for parts with --crop"))?;
+        let traced = tracer.trace(&job, description.integrator.seed, settings.samples.clone(), &mut film, monitor);
+        Ok(Rendering {
+            film,
+            work: traced.work,
+            required: job.required,
+            row: job.row,
+            isa: job.isa,
+            threads: tracer.threads(),
+            setup: tracer.setup(),
+            trace_seconds: traced.seconds,
+            interrupted: traced.interrupted,
+        })
+    })?
+}
+
+/// Which light to simulate in a scene that is ready, and with which kernel.
+#[derive(Clone, Copy, Debug)]
+pub struct Job {
+    options: PathOptions,
+    /// The effects that are needed.
+    pub required: Effects,
+    /// The kernel that is used.
+    pub row: &'static Row,
+    /// The instructions it was compiled for.
+    pub isa: Isa,
+}
+
+/// What tracing took.
+#[derive(Clone, Copy, Debug)]
+pub struct Traced {
+    /// Paths and ray queries.
+    pub work: Work,
+    /// Seconds, wall time.
+    pub seconds: f64,
+    /// Whether it was stopped before all samples were done.
+    pub interrupted: bool,
+}
+
+/// A scene made ready, which can be traced again and again.
+pub trait Tracer: Sync {
+    /// Worker threads.
+    fn threads(&self) -> usize;
+
+    /// What setting up took.
+    fn setup(&self) -> SetupReport;
+
+    /// Chooses the kernel for an integrator, with the effects, accuracy and instructions of `settings`.
+    ///
+    /// # Errors
+    /// There is no such kernel, or the machine lacks the instructions.
+    fn job(&self, integrator: &IntegratorDescription, settings: &RenderSettings) -> Result<Job, Error>;
+
+    /// Adds samples of each pixel of the film's region, with the numbers of a seed.
+    fn trace(&self, job: &Job, seed: u64, samples: Range<u32>, film: &mut Film, monitor: &dyn Monitor) -> Traced;
+}
+
+/// Makes a scene ready, in the precision and with the structure of `settings`, and hands it to `work` on one of the
+/// threads.
+///
+/// # Errors
+/// A description of no usable scene or camera; a region outside of the picture; threads that cannot be started.
+pub fn with_tracer<T: Send>(
+    description: &SceneDescription,
+    settings: &RenderSettings,
+    work: impl FnOnce(&dyn Tracer) -> T + Send,
+) -> Result<T, Error> {
     match settings.precision {
-        Precision::F32 => render_in::<f32>(description, settings, monitor),
-        Precision::F64 => render_in::<f64>(description, settings, monitor),
+        Precision::F32 => with_tracer_in::<f32, T>(description, settings, work),
+        Precision::F64 => with_tracer_in::<f64, T>(description, settings, work),
     }
 }
 
-fn render_in<R: TableReal>(
+fn with_tracer_in<R: TableReal, T: Send>(
     description: &SceneDescription,
     settings: &RenderSettings,
-    monitor: &impl Monitor,
-) -> Result<Rendering, Error> {
+    work: impl FnOnce(&dyn Tracer) -> T + Send,
+) -> Result<T, Error> {
     let (region, film) = (settings.region, &description.film);
     if !(region.x0 < region.x1 && region.x1 <= film.width && region.y0 < region.y1 && region.y1 <= film.height) {
         return Err(Error::usage(
@@ -150,27 +221,38 @@ fn render_in<R: TableReal>(
         .build()
         .map_err(|error| Error::usage(format!("cannot start threads: {error}"), "ask for fewer with --threads"))?;
     // Set-up, too, keeps to these threads.
-    let trace = |view: &View<'_, R>, setup: &SetupReport| {
-        let required = view.required_effects();
+    pool.install(|| with_view::<R, _>(description, settings.accel, |view, setup| work(&Ready { view, setup: *setup })))
+}
+
+/// A view, on the threads of the pool that it is used in.
+struct Ready<'a, R: Real> {
+    view: &'a View<'a, R>,
+    setup: SetupReport,
+}
+
+impl<R: TableReal> Tracer for Ready<'_, R> {
+    fn threads(&self) -> usize {
+        rayon::current_num_threads()
+    }
+
+    fn setup(&self) -> SetupReport {
+        self.setup
+    }
+
+    fn job(&self, integrator: &IntegratorDescription, settings: &RenderSettings) -> Result<Job, Error> {
+        let options = path_options(integrator);
+        let required = View { options: &options, ..*self.view }.required_effects();
         let row = select(required, settings.effects, settings.accuracy)?;
-        let isa = Isa::select(settings.isa)?;
-        let mut film = Film::try_new(region)
-            .map_err(|error| Error::usage(error.to_string(), "ask for a smaller --size, or for parts with --crop"))?;
+        Ok(Job { options, required, row, isa: Isa::select(settings.isa)? })
+    }
+
+    fn trace(&self, job: &Job, seed: u64, samples: Range<u32>, film: &mut Film, monitor: &dyn Monitor) -> Traced {
+        let options = PathOptions { seed, ..job.options };
+        let view = View { options: &options, ..*self.view };
         let start = Instant::now();
-        let (work, interrupted) = passes(view, R::kernels(row).of_isa(isa), &settings.samples, &mut film, monitor);
-        Ok(Rendering {
-            film,
-            work,
-            required,
-            row,
-            isa,
-            threads: pool.current_num_threads(),
-            setup: *setup,
-            trace_seconds: start.elapsed().as_secs_f64(),
-            interrupted,
-        })
-    };
-    pool.install(|| with_view::<R, _>(description, settings.accel, trace))?
+        let (work, interrupted) = passes(&view, R::kernels(job.row).of_isa(job.isa), &samples, film, monitor);
+        Traced { work, seconds: start.elapsed().as_secs_f64(), interrupted }
+    }
 }
 
 /// Renders pass after pass of all rows; returns the work done and whether it was stopped.
@@ -179,7 +261,7 @@ fn passes<R: TableReal>(
     kernel: Kernel<R>,
     samples: &Range<u32>,
     film: &mut Film,
-    monitor: &impl Monitor,
+    monitor: &dyn Monitor,
 ) -> (Work, bool) {
     let region = film.region();
     let interrupted = AtomicBool::new(false);

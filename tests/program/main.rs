@@ -14,6 +14,9 @@ mod same_bits;
 /// `explain` names the line that asks for each effect.
 mod explain;
 
+/// `ledger` measures what accuracy costs.
+mod ledger;
+
 /// `diff` measures and decides.
 mod diff;
 

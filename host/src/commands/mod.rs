@@ -2,6 +2,7 @@
 
 mod diff;
 mod explain;
+mod ledger;
 mod origins;
 mod render;
 mod streams;
@@ -22,6 +23,7 @@ pub fn run(cli: &Cli) -> Result<ExitCode, Error> {
     match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Explain(args) => explain::run(&args.scene),
+        Command::Ledger(args) => ledger::run(args),
         Command::Diff(args) => diff::run(args),
     }
 }

@@ -30,7 +30,7 @@ pub(super) fn bytes(count: usize) -> String {
 }
 
 /// A stretch of time in seconds, from milliseconds to hours.
-pub(super) fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     match seconds {
         ..0.9995 => format!("{} ms", three_digits(seconds * 1e3)),

@@ -227,7 +227,7 @@ impl fmt::Display for Comparison {
 }
 
 /// A number with so many significant digits, as a plain decimal where that stays short.
-fn significant(value: f64, digits: usize) -> String {
+pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }

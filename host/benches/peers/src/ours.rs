@@ -1,9 +1,10 @@
 //! Ocellus. All that this program uses of the kernel is in this file.
 
 use glam::Vec3;
-use ocellus_kernel::bvh::{self, BuildItem, Bvh, Join, Node, Structure};
+use ocellus::hierarchy::Hierarchy;
+use ocellus_kernel::bvh::Structure;
 use ocellus_kernel::material::{Diffuse, Material, Scattering};
-use ocellus_kernel::shape::{Geometry, TriangleAttributes, TriangleQuad};
+use ocellus_kernel::shape::{Geometry, TriangleAttributes};
 use ocellus_kernel::{EffectSet, Effects, Scene, SceneParts};
 use rayon::ThreadPoolBuilder;
 
@@ -37,16 +38,12 @@ pub(crate) fn with_scene<T>(mesh: &Mesh, builds: usize, work: impl FnOnce(&Ours<
     let white = Scattering::Diffuse(Diffuse { albedo: Vec3::ONE, texture: None });
     let materials = [Material { scattering: white, emission: Vec3::ZERO }];
 
-    let ready = || {
-        let geometry = Geometry::new(&[], &positions, &mesh.triangles).map_err(|error| error.to_string())?;
-        let room = Room::new(&geometry);
-        Ok::<_, String>((geometry, room))
-    };
+    let geometry = Geometry::new(&[], &positions, &mesh.triangles).map_err(|error| error.to_string())?;
     let on = |threads| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
         let mut times = Vec::new();
         for _ in 0..builds {
-            let build = || ready().and_then(|(geometry, mut room)| room.build(&geometry).map(|_| ()));
+            let build = || Hierarchy::default().build(&geometry, Structure::Bvh).map(|_| ());
             let (time, built) = pool.install(|| seconds(threads, build));
             built?;
             times.push(time);
@@ -54,8 +51,8 @@ pub(crate) fn with_scene<T>(mesh: &Mesh, builds: usize, work: impl FnOnce(&Ours<
         Ok::<_, String>(median(&mut times))
     };
     let build_seconds = [on(1)?, on(2)?];
-    let (geometry, mut room) = ready()?;
-    let bvh = room.build(&geometry)?;
+    let mut hierarchy = Hierarchy::default();
+    let bvh = hierarchy.build(&geometry, Structure::Bvh)?;
 
     let scene = Scene::new(SceneParts {
         geometry,
@@ -71,39 +68,6 @@ pub(crate) fn with_scene<T>(mesh: &Mesh, builds: usize, work: impl FnOnce(&Ours<
     .map_err(|error| error.to_string())?;
     let bytes = size_of_val(bvh.nodes()) + size_of_val(bvh.triangle_quads());
     Ok(work(&Ours { scene, build_seconds, bytes_per_triangle: bytes as f64 / mesh.triangles.len() as f64 }))
-}
-
-/// Builds on the threads of the pool that it is called in.
-struct Threads;
-
-impl Join for Threads {
-    fn join<A: Send, B: Send>(&self, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
-        rayon::join(a, b)
-    }
-}
-
-/// What the hierarchy is built in.
-struct Room {
-    nodes: Vec<Node<f32>>,
-    triangle_quads: Vec<TriangleQuad<f32>>,
-    scratch: Vec<BuildItem<f32>>,
-}
-
-impl Room {
-    fn new(geometry: &Geometry<'_, f32>) -> Self {
-        Self {
-            nodes: vec![Node::EMPTY; Structure::Bvh.required_nodes(geometry)],
-            triangle_quads: Vec::new(),
-            scratch: vec![BuildItem::EMPTY; geometry.len()],
-        }
-    }
-
-    fn build(&mut self, geometry: &Geometry<'_, f32>) -> Result<Bvh<'_, f32>, String> {
-        let plan = bvh::plan(geometry, Structure::Bvh, &mut self.nodes, &mut self.scratch, &Threads);
-        let plan = plan.map_err(|error| error.to_string())?;
-        self.triangle_quads.resize(plan.required_quads()[1], TriangleQuad::EMPTY);
-        plan.fill(&mut [], &mut self.triangle_quads, &Threads).map_err(|error| error.to_string())
-    }
 }
 
 impl<'a> Ours<'a> {

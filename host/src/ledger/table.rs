@@ -1,0 +1,203 @@
+//! The ledger as a table for people, within 100 columns, and its answer as a sentence.
+
+use std::fmt::Write as _;
+
+use super::account::{Account, Verdict};
+use super::estimate::Ratio;
+use super::reference::Source;
+use super::{Ledger, Target};
+use crate::commands::words::duration;
+use crate::diff::{Metric, REL_MSE_FORMULA, significant};
+
+/// Beyond so many times the samples that were taken, a prediction is not told.
+const TOO_FAR: f64 = 1e4;
+
+impl Ledger {
+    /// The table, with what it was made of above and the answer below.
+    pub fn table(&self) -> String {
+        let mut text = self.heading();
+        // Writing to a string cannot fail.
+        let time = format!("time to {}", self.target.value);
+        let _ = writeln!(
+            text,
+            "  what differs                  spp   s a run  {:<15}{time:<20}efficiency slope",
+            self.target.metric,
+        );
+        for account in &self.accounts {
+            let _ = writeln!(text, "  {}", self.row(account).trim_end());
+        }
+        for left_out in &self.left_out {
+            let _ = writeln!(text, "  {} {}: left out, {}", left_out.choice, left_out.name, left_out.why);
+        }
+        text += "\n";
+        for note in self.notes() {
+            text += &note;
+            text += "\n";
+        }
+        let _ = write!(text, "\n{}", self.sentence());
+        text
+    }
+
+    fn heading(&self) -> String {
+        let region = self.region;
+        let of = if self.is_part { "the middle " } else { "" };
+        let runs = self.accounts.first().map_or(0, |account| account.top().runs.len());
+        let reference = match &self.reference.source {
+            Source::Rendered { spp, seconds } => {
+                format!("rendered in f64, everything exact, {spp} spp in {}", duration(*seconds))
+            }
+            Source::File { picture, errors } => {
+                let noise = if errors.is_some() { "" } else { ", its noise unknown" };
+                format!("{}{noise}", picture.display())
+            }
+        };
+        format!(
+            "{of}{} x {} pixels, {runs} independent runs of each, {} threads, {}\nreference: {reference}\n\n",
+            region.width(),
+            region.height(),
+            self.threads,
+            duration(self.seconds),
+        )
+    }
+
+    fn row(&self, account: &Account) -> String {
+        let (rung, target) = (account.top(), self.target);
+        let error = rung.estimate(|run| target.error(run));
+        let seconds = rung.estimate(|run| run.seconds).value;
+        let share = 100.0 * error.half / error.value;
+        let error = match account.is_same_picture && !account.is_baseline() {
+            true => "same picture".to_owned(),
+            false => format!("{} +-{share:.0} %", three(error.value)),
+        };
+        let time = if account.is_same_picture && !account.is_baseline() { String::new() } else { self.time(account) };
+        let efficiency = match account.efficiency {
+            _ if account.is_baseline() => "1".to_owned(),
+            Some(ratio) => factor(&ratio),
+            None => "?".to_owned(),
+        };
+        let slope = match account.slope {
+            _ if account.is_same_picture && !account.is_baseline() => String::new(),
+            Some(slope) => format!("{:.2}", slope.value),
+            None => "?".to_owned(),
+        };
+        let bias = if account.is_biased() { "  biased" } else { "" };
+        let name = account.name();
+        format!(
+            "{name:<27}{:>6} {:>9}  {error:<15}{time:<20}{efficiency:<11}{slope}{bias}",
+            rung.spp,
+            duration(seconds)
+        )
+    }
+
+    /// When a level reaches the target.
+    fn time(&self, account: &Account) -> String {
+        match account.to_target {
+            Some([seconds, spp]) if spp.value < TOO_FAR * f64::from(account.top().spp) => {
+                let [low, high] = seconds.interval;
+                if high < 1e3 * low {
+                    format!("{} ({}..{})", three(seconds.value), three(low), three(high))
+                } else {
+                    format!("about {}", three(seconds.value))
+                }
+            }
+            Some(_) => "far away".to_owned(),
+            None => "not in sight".to_owned(),
+        }
+    }
+
+    /// What is to be known beside the table.
+    fn notes(&self) -> Vec<String> {
+        let mut notes = vec![format!(
+            "time to {}: seconds of tracing, with their 95 % interval; efficiency: 1 / (variance x processor\ntime) over that of the first row, or speed where the picture is the same; {}= no difference shown",
+            self.target, "~"
+        )];
+        if self.target.metric == Metric::RelMse {
+            notes.push(format!("relMSE = {REL_MSE_FORMULA}, less what the reference itself is off by"));
+        }
+        for account in self.accounts.iter().filter(|account| account.is_biased()) {
+            let Some(bias) = account.bias else { continue };
+            notes.push(format!(
+                "{}: biased: mean {:+.2} % (+-{:.2}), {} RMSE that no samples take away",
+                account.name(),
+                100.0 * bias.mean.value,
+                100.0 * bias.mean.half,
+                three(bias.square.value.max(0.0).sqrt()),
+            ));
+        }
+        if let Some(baseline) = self.accounts.first() {
+            if let Some(slope) = baseline.slope {
+                let [low, high] = slope.interval();
+                notes.push(format!(
+                    "RMSE falls as spp^{:.2} ({low:.2}..{high:.2}): {}",
+                    slope.value,
+                    Verdict::of(&slope).words()
+                ));
+            }
+            if let Some(foretold) = baseline.foretold {
+                let [low, high] = foretold.interval;
+                notes.push(format!(
+                    "what a quarter of the samples foretold for the last row's error, over what came: {:.2} ({low:.2}..{high:.2})",
+                    foretold.value
+                ));
+            }
+            let worst = baseline.top().estimate(|run| run.figures.worst_share).value;
+            if worst > 0.2 {
+                notes.push(format!("the worst 0.1 % of the pixels hold {:.0} % of the squared error", 100.0 * worst));
+            }
+        }
+        if self.interrupted {
+            notes.push("stopped early: not all runs were done".to_owned());
+        }
+        notes
+    }
+
+    /// The answer in a sentence.
+    pub fn sentence(&self) -> String {
+        let Some(baseline) = self.accounts.first() else { return "nothing was measured".to_owned() };
+        let Some([seconds, _]) = baseline.to_target else {
+            return format!(
+                "as asked, the picture's {} is not seen to reach {}",
+                self.target.metric, self.target.value
+            );
+        };
+        let asked = format!("as asked, the picture reaches {} in {}", self.target, within(&seconds));
+        // What is sure to be different, and without a bias.
+        let others = self.accounts[1..].iter().filter(|account| !account.is_biased());
+        let differing =
+            others.filter_map(|account| Some((account, account.efficiency.filter(|ratio| !ratio.spans(1.0))?)));
+        let (sooner, later): (Vec<_>, Vec<_>) = differing.partition(|(_, ratio)| ratio.value > 1.0);
+        let best = sooner.into_iter().max_by(|a, b| a.1.value.total_cmp(&b.1.value));
+        let worst = later.into_iter().min_by(|a, b| a.1.value.total_cmp(&b.1.value));
+        let best = best.map(|(account, ratio)| format!("{:.1}x sooner with {}", ratio.value, account.name()));
+        let worst = worst.map(|(account, ratio)| format!("{:.1}x later with {}", 1.0 / ratio.value, account.name()));
+        match (best, worst) {
+            (None, None) => format!("{asked}; no option that was varied changes that for sure"),
+            (Some(one), None) | (None, Some(one)) => format!("{asked}, {one}"),
+            (Some(best), Some(worst)) => format!("{asked}, {best}, {worst}"),
+        }
+    }
+}
+
+impl std::fmt::Display for Target {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {}", self.metric, self.value)
+    }
+}
+
+/// Seconds with their interval, for a sentence.
+fn within(seconds: &Ratio) -> String {
+    let [low, high] = seconds.interval;
+    format!("{} ({} to {})", duration(seconds.value), duration(low), duration(high))
+}
+
+/// A factor and whether it is one.
+fn factor(ratio: &Ratio) -> String {
+    let digits = if ratio.value < 9.95 { 2 } else { 0 };
+    let value =
+        if ratio.value < 0.00995 { format!("{:.1e}", ratio.value) } else { format!("{:.digits$}", ratio.value) };
+    if ratio.spans(1.0) { format!("~{value}") } else { value }
+}
+
+fn three(value: f64) -> String {
+    significant(value, 3)
+}
