@@ -2,6 +2,7 @@
 
 mod error_map;
 pub mod flip;
+pub mod hdr_flip;
 mod metrics;
 
 use crate::error::{Error, ExitCode};
