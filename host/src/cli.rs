@@ -159,7 +159,8 @@ pub struct DiffArgs {
     /// Write a map of the relative error as a PNG.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// The metric that --tolerance bounds: rmse, relmse or flip.
+    /// The metric that --tolerance bounds: rmse, relmse, flip or hdr-flip. HDR-FLIP is for .exr pictures; of two
+    /// PNGs, which are clipped at white, FLIP says more.
     #[arg(long, default_value = "relmse", value_parser = |text: &str| text.parse::<Metric>().map_err(|e| e.to_string()))]
     pub metric: Metric,
     /// Exit with 1 if the metric is above this.

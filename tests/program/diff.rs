@@ -42,7 +42,7 @@ fn what_cannot_be_compared_is_refused() {
     refuses(&folder, &["a.exr"], 2, &["<B>"]);
     refuses(&folder, &["a.exr", "b.exr", "--tolerance", "nan"], 2, &["--tolerance", "0 or more"]);
     refuses(&folder, &["a.exr", "b.exr", "--tolerance=-1"], 2, &["--tolerance", "0 or more"]);
-    refuses(&folder, &["a.exr", "b.exr", "--metric", "psnr"], 2, &["psnr", "rmse, relmse or flip"]);
+    refuses(&folder, &["a.exr", "b.exr", "--metric", "psnr"], 2, &["psnr", "rmse, relmse, flip or hdr-flip"]);
     refuses(&folder, &["a.exr", "b.exr", "-o", "map.exr"], 2, &["map.exr", ".png"]);
     refuses(&folder, &["a.exr", "b.exr", "-o", "none/map.png"], 73, &["cannot create none/map.png"]);
 }
@@ -52,9 +52,9 @@ fn the_tolerance_decides_the_exit_code() {
     let folder = pictures();
     let same = folder.run(&["diff", "a.exr", "a.exr", "--tolerance", "0"]).with_code(0);
     assert!(same.stdout.contains("a equals b in every pixel"), "{}", same.stdout);
-    for metric in ["rmse", "relmse", "flip"] {
+    for metric in ["rmse", "relmse", "flip", "hdr-flip"] {
         let figures = folder.run(&["diff", "a.exr", "b.exr", "--json"]).with_code(0).json();
-        let value = figures[metric].as_f64().expect("a figure");
+        let value = figures[metric.replace('-', "_")].as_f64().expect("a figure");
         assert!(value > 0.0);
         let at = |tolerance: f64| {
             folder.run(&["diff", "a.exr", "b.exr", "--metric", metric, "--tolerance", &tolerance.to_string()])
@@ -63,6 +63,17 @@ fn the_tolerance_decides_the_exit_code() {
         let above = at(value * 0.999).with_code(1);
         assert!(above.stderr.contains("above the tolerance"), "{}", above.stderr);
         assert!(above.stdout.contains("RMSE"), "the figures are printed all the same: {}", above.stdout);
+    }
+}
+
+#[test]
+fn hdr_flip_of_two_views_is_given_with_a_note() {
+    let folder = pictures();
+    for (a, b, note) in [("a.png", "a.png", true), ("a.png", "a.exr", false), ("a.exr", "b.exr", false)] {
+        let outcome = folder.run(&["diff", a, b, "--metric", "hdr-flip"]).with_code(0);
+        assert!(outcome.stdout.contains("HDR-FLIP"), "{}", outcome.stdout);
+        assert_eq!(outcome.stderr.contains("note: neither picture is linear"), note, "{}", outcome.stderr);
+        assert_eq!(folder.run(&["diff", a, b]).with_code(0).stderr, "");
     }
 }
 

@@ -12,12 +12,11 @@ use rayon::prelude::*;
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
 
 // The paper's constants: exponent of the color difference, the knee (input, output) of its redistribution, width of
-// the detected features in degrees, exponent of the feature difference.
+// the detected features in degrees. The exponent of the feature difference, 1/2, is a square root.
 const QC: f64 = 0.7;
 const PC: f64 = 0.4;
 const PT: f64 = 0.95;
 const FEATURE_WIDTH: f64 = 0.082;
-const QF: f64 = 0.5;
 
 /// Contrast sensitivity as Gaussians in space: pairs of weight a and variance parameter b.
 const CSF_ACHROMATIC: [(f64, f64); 1] = [(1.0, 0.0047)];
@@ -45,10 +44,22 @@ const WHITE: [f64; 3] = [0.950_455_927_1, 1.0, 1.089_057_750_7];
 ///
 /// The result is empty if the lengths do not fit the size.
 pub fn flip_map(a: &[[f32; 3]], b: &[[f32; 3]], width: usize, height: usize) -> Vec<f32> {
-    if width == 0 || a.len() != b.len() || width.checked_mul(height) != Some(a.len()) {
+    if !is_pair(a, b, width, height) {
         return Vec::new();
     }
-    let (a, b) = (Planes::of(a), Planes::of(b));
+    // NaN fails the comparison and becomes 0.
+    let shown = |pixel: &[f32; 3]| pixel.map(|value| if value > 0.0 { f64::from(value).min(1.0) } else { 0.0 });
+    let planes = |pixels: &[[f32; 3]]| Planes::of(pixels.len(), |i| shown(&pixels[i]));
+    difference(&planes(a), &planes(b), width)
+}
+
+/// Whether both pictures have `width` times `height` pixels, in rows that are not empty.
+pub(super) fn is_pair(a: &[[f32; 3]], b: &[[f32; 3]], width: usize, height: usize) -> bool {
+    width > 0 && a.len() == b.len() && width.checked_mul(height) == Some(a.len())
+}
+
+/// The FLIP map of two pictures in rows of `width` pixels.
+pub(super) fn difference(a: &Planes, b: &Planes, width: usize) -> Vec<f32> {
     let colors = [a.perceived(width), b.perceived(width)];
     let features = [a.features(width), b.features(width)];
     let worst = hyab(&hunt_lab([0.0, 1.0, 0.0]), &hunt_lab([0.0, 0.0, 1.0]));
@@ -60,7 +71,7 @@ pub fn flip_map(a: &[[f32; 3]], b: &[[f32; 3]], width: usize, height: usize) -> 
             let [edge_a, point_a] = features[0][i];
             let [edge_b, point_b] = features[1][i];
             let feature = f64::from((edge_a - edge_b).abs().max((point_a - point_b).abs()));
-            let feature = libm::pow(feature / std::f64::consts::SQRT_2, QF);
+            let feature = libm::sqrt(feature / std::f64::consts::SQRT_2);
             // A feature difference amplifies the color difference.
             libm::pow(color, 1.0 - feature) as f32
         })
@@ -69,22 +80,24 @@ pub fn flip_map(a: &[[f32; 3]], b: &[[f32; 3]], width: usize, height: usize) -> 
 
 /// A picture in the linearised opponent space YyCxCz, without the constant offset of Yy, which every
 /// normalised filter keeps.
-struct Planes {
+pub(super) struct Planes {
     luminance: Vec<f32>,
     red_green: Vec<f32>,
     blue_yellow: Vec<f32>,
 }
 
 impl Planes {
-    fn of(pixels: &[[f32; 3]]) -> Self {
-        let opponent = |pixel: &[f32; 3]| {
-            // NaN fails the comparison and becomes 0.
-            let rgb = pixel.map(|value| if value > 0.0 { f64::from(value).min(1.0) } else { 0.0 });
-            let [x, y, z] = relative_xyz(rgb);
-            [y, x - y, y - z]
-        };
-        let plane = |index: usize| pixels.par_iter().map(|pixel| opponent(pixel)[index] as f32).collect();
-        Self { luminance: plane(0), red_green: plane(1), blue_yellow: plane(2) }
+    /// A picture of so many pixels; `rgb` tells what the screen shows at an index, linear and in 0..=1.
+    pub(super) fn of(pixels: usize, rgb: impl Fn(usize) -> [f64; 3] + Sync) -> Self {
+        let plane = || vec![0.0; pixels];
+        let mut planes = Self { luminance: plane(), red_green: plane(), blue_yellow: plane() };
+        let Self { luminance, red_green, blue_yellow } = &mut planes;
+        let chroma = red_green.par_iter_mut().zip(blue_yellow);
+        luminance.par_iter_mut().zip(chroma).enumerate().for_each(|(i, (luminance, (red_green, blue_yellow)))| {
+            let [x, y, z] = relative_xyz(rgb(i));
+            (*luminance, *red_green, *blue_yellow) = (y as f32, (x - y) as f32, (y - z) as f32);
+        });
+        planes
     }
 
     /// What is left after the eye's contrast sensitivity, in CIELab with Hunt's adjustment.

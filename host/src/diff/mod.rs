@@ -2,10 +2,12 @@
 
 mod error_map;
 pub mod flip;
+pub mod hdr_flip;
 mod metrics;
 
 use crate::error::{Error, ExitCode};
 use crate::picture::Picture;
+use hdr_flip::Exposures;
 use serde_json::{Value, json};
 use std::fmt;
 use std::str::FromStr;
@@ -25,8 +27,11 @@ pub enum Metric {
     Rmse,
     /// Relative mean squared difference, [`REL_MSE_FORMULA`].
     RelMse,
-    /// Mean of the FLIP map, 0 to 1.
+    /// Mean of the FLIP map, 0 to 1: what shows on a screen at exposure 0.
     Flip,
+    /// Mean of the HDR-FLIP map, 0 to 1: what shows at any of the exposures that the reference calls for. It is made for
+    /// linear pictures. Those of 8 or 16 bits are clipped at white already, so that [`Metric::Flip`] says more of them.
+    HdrFlip,
 }
 
 impl FromStr for Metric {
@@ -37,7 +42,8 @@ impl FromStr for Metric {
             "rmse" => Ok(Self::Rmse),
             "relmse" => Ok(Self::RelMse),
             "flip" => Ok(Self::Flip),
-            _ => Err(Error::usage(format!("there is no metric {name:?}"), "use rmse, relmse or flip")),
+            "hdr-flip" => Ok(Self::HdrFlip),
+            _ => Err(Error::usage(format!("there is no metric {name:?}"), "use rmse, relmse, flip or hdr-flip")),
         }
     }
 }
@@ -48,6 +54,7 @@ impl fmt::Display for Metric {
             Self::Rmse => "RMSE",
             Self::RelMse => "relMSE",
             Self::Flip => "FLIP",
+            Self::HdrFlip => "HDR-FLIP",
         })
     }
 }
@@ -63,12 +70,16 @@ pub struct Comparison {
     pub statistics: Statistics,
     /// Mean of the FLIP map over the pixels that are finite in both, 0 (looks the same) to 1.
     pub flip: f64,
+    /// Mean of the HDR-FLIP map over the same pixels, 0 (looks the same at every exposure) to 1.
+    pub hdr_flip: f64,
+    /// The exposures of the HDR-FLIP map, which are those of `b`.
+    pub exposures: Exposures,
 }
 
 /// Compares `a` with the reference `b`, both linear.
 ///
-/// Pixels that are not finite in one of the pictures are left out of all figures, counted and located; for FLIP, whose
-/// filters look at neighbours, they are black in both.
+/// Pixels that are not finite in one of the pictures are left out of all figures, counted and located; for FLIP and
+/// HDR-FLIP, whose filters look at neighbours, they are black in both.
 ///
 /// # Errors
 /// A usage error if the sizes differ; `BadScene` if the pictures are empty, their pixels do not match their size, or no
@@ -79,20 +90,25 @@ pub fn compare(a: &Picture, b: &Picture) -> Result<Comparison, Error> {
     if statistics.compared == 0 {
         return Err(unusable("no pixel is finite in both pictures".into()));
     }
-    Ok(Comparison { width: a.width, height: a.height, statistics, flip: mean_flip(a, b, statistics.compared) })
-}
-
-/// The mean FLIP of the pixels that are finite in both pictures.
-fn mean_flip(a: &Picture, b: &Picture, compared: usize) -> f64 {
     let finite: Vec<bool> =
         a.pixels.iter().zip(&b.pixels).map(|(a, b)| metrics::is_finite(a) && metrics::is_finite(b)).collect();
+    let mean = |map: &[f32]| {
+        let sum: f64 = map.iter().zip(&finite).filter(|(_, finite)| **finite).map(|(&value, _)| f64::from(value)).sum();
+        sum / statistics.compared as f64
+    };
     let shown = |picture: &Picture| -> Vec<[f32; 3]> {
         let pixels = picture.pixels.iter().zip(&finite);
         pixels.map(|(&pixel, &finite)| if finite { pixel } else { [0.0; 3] }).collect()
     };
-    let map = flip::flip_map(&shown(a), &shown(b), a.width as usize, a.height as usize);
-    let sum: f64 = map.iter().zip(&finite).filter(|(_, finite)| **finite).map(|(&value, _)| f64::from(value)).sum();
-    sum / compared as f64
+    let (width, height) = (a.width as usize, a.height as usize);
+    Ok(Comparison {
+        width: a.width,
+        height: a.height,
+        statistics,
+        flip: mean(&flip::flip_map(&shown(a), &shown(b), width, height)),
+        hdr_flip: mean(&hdr_flip::hdr_flip_map(&a.pixels, &b.pixels, width, height)),
+        exposures: Exposures::of(&b.pixels),
+    })
 }
 
 /// What [`compare`] and [`error_map`] ask of two pictures.
@@ -125,6 +141,7 @@ impl Comparison {
             Metric::Rmse => self.statistics.rmse,
             Metric::RelMse => self.statistics.rel_mse,
             Metric::Flip => self.flip,
+            Metric::HdrFlip => self.hdr_flip,
         }
     }
 
@@ -171,6 +188,7 @@ impl Comparison {
         let Statistics { compared, rmse, rel_mse, largest, mean_a, mean_b, non_finite_a, non_finite_b } =
             self.statistics;
         let non_finite = |set: NonFinite| json!({ "pixels": set.count, "first": set.first.map(|(x, y)| [x, y]) });
+        let Exposures { start, stop, count } = self.exposures;
         json!({
             "width": self.width,
             "height": self.height,
@@ -182,6 +200,8 @@ impl Comparison {
             "relmse_epsilon": REL_MSE_EPSILON,
             "flip": self.flip,
             "flip_pixels_per_degree": flip::PIXELS_PER_DEGREE,
+            "hdr_flip": self.hdr_flip,
+            "hdr_flip_exposures": { "start": start, "stop": stop, "count": count },
             "max_abs_difference": largest.map_or(0.0, |largest| largest.difference),
             "max_at": largest.map(|at| json!({ "x": at.x, "y": at.y, "channel": CHANNELS[at.channel] })),
             "mean_a": mean_a,
@@ -206,6 +226,8 @@ impl fmt::Display for Comparison {
         line("RMSE", rmse, &percent.unwrap_or_default())?;
         line("relMSE", rel_mse, REL_MSE_FORMULA)?;
         line("FLIP", self.flip, &format!("0 looks the same, 1 is worst; {density:.0} pixels per degree"))?;
+        let Exposures { start, stop, count } = self.exposures;
+        line("HDR-FLIP", self.hdr_flip, &format!("worst of {count} exposures, {start:.1} to {stop:.1} stops"))?;
         line("max |a-b|", largest.map_or(0.0, |at| at.difference), &place.unwrap_or_default())?;
 
         writeln!(f, "\n  {:<10}{:<12}{:<12}B", "mean", "R", "G")?;

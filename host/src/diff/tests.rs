@@ -11,7 +11,7 @@ fn grey(value: f32) -> Picture {
 
 #[test]
 fn metrics_have_names_in_any_case() {
-    for metric in [Metric::Rmse, Metric::RelMse, Metric::Flip] {
+    for metric in [Metric::Rmse, Metric::RelMse, Metric::Flip, Metric::HdrFlip] {
         assert_eq!(metric.to_string().parse::<Metric>().unwrap(), metric);
         assert_eq!(metric.to_string().to_uppercase().parse::<Metric>().unwrap(), metric);
     }
@@ -39,7 +39,7 @@ fn pictures_that_cannot_be_compared_are_errors() {
 #[test]
 fn equal_pictures_are_said_to_be_equal() {
     let comparison = compare(&grey(0.5), &grey(0.5)).unwrap();
-    for metric in [Metric::Rmse, Metric::RelMse, Metric::Flip] {
+    for metric in [Metric::Rmse, Metric::RelMse, Metric::Flip, Metric::HdrFlip] {
         assert_eq!(comparison.value(metric), 0.0);
         assert!(comparison.is_within(metric, 0.0));
     }
@@ -53,8 +53,8 @@ fn a_difference_is_said_in_per_cent_of_the_reference() {
     assert!((comparison.mean_ratio()[1].unwrap() - 1.01).abs() < 1e-7);
     assert!(comparison.is_within(Metric::Rmse, 0.021) && !comparison.is_within(Metric::Rmse, 0.019));
     assert!(comparison.is_within(Metric::RelMse, 1.0e-4) && !comparison.is_within(Metric::RelMse, 0.9e-4));
-    // Both are white on a screen.
-    assert!(comparison.is_within(Metric::Flip, 0.0));
+    // Both are white on a screen, but not where it is exposed for the reference.
+    assert!(comparison.is_within(Metric::Flip, 0.0) && !comparison.is_within(Metric::HdrFlip, 1e-3));
     assert_eq!(compare(&grey(0.5), &grey(0.0)).unwrap().sentence(), "a is 0.500 RMSE from b");
 }
 
@@ -64,7 +64,9 @@ fn a_pixel_that_is_finite_in_one_picture_alone_is_above_any_tolerance() {
     broken.pixels[5][0] = f32::INFINITY;
     for (a, b) in [(&broken, &grey(0.5)), (&grey(0.5), &broken)] {
         let comparison = compare(a, b).unwrap();
-        assert_eq!((comparison.value(Metric::Rmse), comparison.value(Metric::Flip)), (0.0, 0.0));
+        for metric in [Metric::Rmse, Metric::Flip, Metric::HdrFlip] {
+            assert_eq!(comparison.value(metric), 0.0);
+        }
         assert!(!comparison.is_within(Metric::Rmse, f64::INFINITY));
         assert_eq!(comparison.sentence(), "a equals b in every finite pixel, and some pixels are finite in one alone");
         assert!(comparison.to_string().contains("1 pixels, first at x 1, y 1"));
@@ -82,7 +84,9 @@ fn the_text_holds_every_figure_and_fits_80_columns() {
     for comparison in [compare(&a, &b).unwrap(), compare(&b, &a).unwrap(), compare(&grey(0.0), &grey(0.0)).unwrap()] {
         let text = comparison.to_string();
         assert!(text.lines().all(|line| line.chars().count() <= 80 && line.trim_end() == line), "{text}");
-        for part in ["RMSE", "relMSE", REL_MSE_FORMULA, "FLIP", "max |a-b|", "a / b", &comparison.sentence()] {
+        for part in
+            ["RMSE", "relMSE", REL_MSE_FORMULA, "  FLIP", "HDR-FLIP", "max |a-b|", "a / b", &comparison.sentence()]
+        {
             assert!(text.contains(part), "{part} in {text}");
         }
     }
@@ -98,6 +102,7 @@ fn the_text_as_it_stands() {
     let expected = "  RMSE      0.1108      5.54 % of the mean of b
   relMSE    0.003064    mean((a-b)^2 / (b^2 + 0.01))
   FLIP      0           0 looks the same, 1 is worst; 67 pixels per degree
+  HDR-FLIP  0.04097     worst of 2 exposures, 0.1 to 0.1 stops
   max |a-b| 0.5000      channel G at x 2, y 1
 
   mean      R           G           B
@@ -129,6 +134,10 @@ fn json_holds_the_same_figures_and_null_for_what_is_not_there() {
     assert_eq!(json["relmse"], comparison.value(Metric::RelMse));
     assert_eq!(json["relmse_epsilon"], 0.01);
     assert_eq!(json["flip"], comparison.value(Metric::Flip));
+    assert_eq!(json["hdr_flip"], comparison.value(Metric::HdrFlip));
+    // All pixels of b have one luminance.
+    assert_eq!(json["hdr_flip_exposures"]["count"], 2);
+    assert_eq!(json["hdr_flip_exposures"]["start"], json["hdr_flip_exposures"]["stop"]);
     assert_eq!(json["max_abs_difference"], 1.5);
     assert_eq!(json["max_at"], json!({ "x": 0, "y": 0, "channel": "R" }));
     assert_eq!(json["mean_a_over_b"], json!([null, 1.5, 1.5]));
