@@ -12,8 +12,8 @@ use crate::diff::Metric;
 use crate::film::Region;
 use crate::isa::IsaChoice;
 use crate::kernels::EffectChoice;
-use crate::ledger::Target;
 use crate::ledger::levels::Choice;
+use crate::promise::Target;
 use crate::render::Precision;
 
 /// A path tracer that says what accuracy costs.
@@ -26,8 +26,8 @@ pub struct Cli {
 }
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 diff above --tolerance; 2 usage; 65 bad scene; 66 missing input;
-73, 74 cannot write; 130, 143 interrupted, picture so far saved.";
+Exit codes: 0 done; 1 diff above --tolerance; 2 usage; 3 --target-error not met; 65 bad scene;
+66 missing input; 73, 74 cannot write; 130, 143 interrupted, picture so far saved.";
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
@@ -88,9 +88,19 @@ pub struct RenderArgs {
     /// Where to write: .png (to look at) or .exr (linear float); repeatable [default: SCENE's name with .png].
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
-    /// Samples per pixel.
+    /// Samples per pixel; with --target-error or --time, the most.
     #[arg(long, value_name = "N", conflicts_with = "samples", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
+    /// Stop when the picture's error is at most this, with a certainty of 95 %: X or relmse=X, or rmse=X. Exit code 3 if
+    /// --time or --spp ends it before.
+    #[arg(long, value_name = "[METRIC=]X", conflicts_with = "samples", value_parser = parse_error)]
+    pub target_error: Option<Target>,
+    /// Stop after so many seconds of tracing.
+    #[arg(long, value_name = "SECONDS", conflicts_with = "samples", value_parser = parse_seconds)]
+    pub time: Option<f64>,
+    /// See whether the promise of --target-error is kept, by eight more pictures with fresh seeds.
+    #[arg(long, requires = "target_error")]
+    pub audit: bool,
     /// Only samples A, A+1, ... B-1 of each pixel.
     #[arg(long, value_name = "A..B", value_parser = parse_samples)]
     pub samples: Option<Range<u32>>,
@@ -203,6 +213,10 @@ fn parse_target(text: &str) -> Result<Target, String> {
     let metric = metric.parse().ok().filter(|metric| matches!(metric, Metric::Rmse | Metric::RelMse));
     let value = value.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0);
     metric.zip(value).map(|(metric, value)| Target { metric, value }).ok_or_else(|| example.to_owned())
+}
+
+fn parse_error(text: &str) -> Result<Target, String> {
+    parse_target(&if text.contains('=') { text.to_owned() } else { format!("relmse={text}") })
 }
 
 #[cfg(test)]

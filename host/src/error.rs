@@ -43,6 +43,8 @@ pub enum ExitCode {
     AboveTolerance = 1,
     /// The command line makes no sense.
     Usage = 2,
+    /// The render is finished, but not as good as `--target-error` asks for.
+    TargetNotMet = 3,
     /// A scene, mesh, texture or picture cannot be used as it is.
     BadScene = 65,
     /// A file that was named does not exist or cannot be read.

@@ -97,10 +97,15 @@ impl Film {
         if self.region != other.region {
             return Err(RegionMismatch(self.region, other.region));
         }
+        self.add(other);
+        Ok(())
+    }
+
+    /// [`Film::merge`] of a film that is known to show the same region.
+    pub(crate) fn add(&mut self, other: &Self) {
         for (pixel, other) in self.pixels.iter_mut().zip(&other.pixels) {
             pixel.merge(other);
         }
-        Ok(())
     }
 
     /// The fewest and the most samples that a pixel has, finite or not.

@@ -6,6 +6,7 @@
 
 pub mod accuracy;
 pub mod assemble;
+pub mod audit;
 pub mod cli;
 pub mod commands;
 pub mod demand;
@@ -23,7 +24,9 @@ pub mod load;
 pub mod output;
 pub mod picture;
 pub mod progress;
+pub mod promise;
 pub mod render;
+pub mod until;
 
 /// The examples of the README are tests.
 #[cfg(doctest)]

@@ -27,6 +27,14 @@ impl Progress {
         Self { bar, interrupt }
     }
 
+    /// A line for a render whose end is not known.
+    pub fn open_ended(interrupt: Interrupt) -> Self {
+        let bar = ProgressBar::no_length();
+        let style = ProgressStyle::with_template("{elapsed} gone{msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        Self { bar, interrupt }
+    }
+
     /// Takes the bar away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
@@ -40,6 +48,10 @@ impl Monitor for Progress {
 
     fn stopped(&self) -> bool {
         self.interrupt.received().is_some()
+    }
+
+    fn tell(&self, words: &str) {
+        self.bar.set_message(format!(": {words}"));
     }
 }
 

@@ -101,6 +101,8 @@ pub trait Monitor: Sync {
     fn advance(&self, paths: u64);
     /// Whether to stop: pixels keep the samples they have.
     fn stopped(&self) -> bool;
+    /// How far a work is whose end is not known beforehand.
+    fn tell(&self, _words: &str) {}
 }
 
 /// Tells nobody and never stops.

@@ -29,7 +29,7 @@ inverted = true
 
 [[lights]]
 kind = \"point\"
-position = [1, 2, 1]
+position = [0.05, 0.05, 0]
 power = 100
 ";
 

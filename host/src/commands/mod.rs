@@ -4,6 +4,7 @@ mod diff;
 mod explain;
 mod ledger;
 mod origins;
+mod promise;
 mod render;
 mod streams;
 pub(crate) mod words;

@@ -6,9 +6,9 @@ use std::time::Instant;
 use ocellus_kernel::Accuracy;
 use serde_json::{Value, json};
 
-use super::load;
 use super::streams::{print, tell};
 use super::words::{abridged, counted, duration};
+use super::{load, promise};
 use crate::accuracy::describe;
 use crate::cli::RenderArgs;
 use crate::description::SceneDescription;
@@ -17,7 +17,9 @@ use crate::film::Region;
 use crate::interrupt::Interrupt;
 use crate::output::{ToneMap, check_output, check_replaces_nothing, write_picture};
 use crate::progress::Progress;
+use crate::promise::Outlook;
 use crate::render::{RenderSettings, Rendering, render};
+use crate::until::{Until, render_until};
 
 pub(super) fn run(args: &RenderArgs) -> Result<ExitCode, Error> {
     let start = Instant::now();
@@ -30,18 +32,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode, Error> {
     for output in &outputs {
         check_output(output)?;
     }
-    let settings = settings(args, &scene);
-    let paths =
-        u64::from(settings.region.width()) * u64::from(settings.region.height()) * settings.samples.len() as u64;
-
+    let mut settings = settings(args, &scene);
     let interrupt = Interrupt::listen();
-    let progress = Progress::new(paths, interrupt.clone());
-    let rendering = render(&scene, &settings, &progress);
-    progress.finish();
-    let rendering = rendering?;
+    let (rendering, outlook) = trace(args, &scene, &mut settings, &interrupt)?;
 
-    let report = report(args, &scene, &settings, &rendering, load_seconds);
+    let mut report = report(args, &scene, &settings, &rendering, load_seconds);
     summarize(&rendering, &settings);
+    let met = promise::tell_of(args, &settings, &rendering, outlook, &mut report);
     let picture = rendering.film.picture();
     let mut written = Ok(());
     for output in &outputs {
@@ -52,13 +49,40 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode, Error> {
         }
     }
     written?;
+    if let (true, Some(target), None) = (args.audit, args.target_error, interrupt.received()) {
+        promise::tell_audit(&scene, &settings, &rendering.film, target, &interrupt, &mut report)?;
+    }
     if args.scene.json {
         print(report)?;
     }
     Ok(match interrupt.received() {
         Some(code) if rendering.interrupted => code,
-        _ => ExitCode::Done,
+        _ if met => ExitCode::Done,
+        _ => ExitCode::TargetNotMet,
     })
+}
+
+/// Renders, as many samples as are asked for or until it is enough: these are then the samples of `settings`.
+fn trace(
+    args: &RenderArgs,
+    scene: &SceneDescription,
+    settings: &mut RenderSettings,
+    interrupt: &Interrupt,
+) -> Result<(Rendering, Option<Outlook>), Error> {
+    if args.target_error.is_none() && args.time.is_none() {
+        let pixels = u64::from(settings.region.width()) * u64::from(settings.region.height());
+        let progress = Progress::new(pixels * settings.samples.len() as u64, interrupt.clone());
+        let rendering = render(scene, settings, &progress);
+        progress.finish();
+        return Ok((rendering?, None));
+    }
+    let until = Until { target: args.target_error, seconds: args.time, spp: args.spp.unwrap_or(u32::MAX) };
+    let progress = Progress::open_ended(interrupt.clone());
+    let promised = render_until(scene, settings, &until, &progress);
+    progress.finish();
+    let promised = promised?;
+    settings.samples = 0..promised.spp;
+    Ok((promised.rendering, promised.outlook))
 }
 
 /// The files to write: those named, or the scene's name as a PNG in the current folder.

@@ -1,11 +1,11 @@
 //! What the runs of a level say: errors, what they cost, and when a target is reached.
 
-use super::Target;
 use super::estimate::{Estimate, Line, Ratio};
 use super::measure::{Measured, Run, Rung};
 use super::reference::Reference;
 use super::spread::Bias;
 use crate::diff::Metric;
+use crate::promise::Target;
 
 /// A level, measured, with what follows from it.
 #[derive(Clone, Debug)]
@@ -89,13 +89,11 @@ impl Rung {
     }
 }
 
-impl Target {
-    /// What a run has of the target's metric; squared errors below zero count as none.
-    pub fn error(&self, run: &Run) -> f64 {
-        match self.metric {
-            Metric::Rmse => run.figures.mse.max(0.0).sqrt(),
-            _ => run.figures.rel_mse,
-        }
+/// What a run has of the target's metric; squared errors below zero count as none.
+pub(super) fn error_of(run: &Run, target: Target) -> f64 {
+    match target.metric {
+        Metric::Rmse => run.figures.mse.max(0.0).sqrt(),
+        _ => run.figures.rel_mse,
     }
 }
 
@@ -179,7 +177,7 @@ fn slope(measured: &Measured) -> Option<Estimate> {
 /// Where the line through a run's errors meets the target.
 fn to_target(measured: &Measured, target: Target) -> Option<[Ratio; 2]> {
     let reach = |x: &dyn Fn(&Rung, &Run) -> f64| {
-        let courses = courses(measured, x, |run| target.error(run));
+        let courses = courses(measured, x, |run| error_of(run, target));
         Ratio::of(courses.iter().map(|points| match Line::through(points) {
             Some(line) if line.slope < 0.0 => libm::exp((libm::log(target.value) - line.level) / line.slope),
             _ => f64::NAN,
@@ -189,7 +187,7 @@ fn to_target(measured: &Measured, target: Target) -> Option<[Ratio; 2]> {
 }
 
 fn foretold(measured: &Measured, target: Target) -> Option<Ratio> {
-    let courses = courses(measured, |rung, _| f64::from(rung.spp), |run| target.error(run));
+    let courses = courses(measured, |rung, _| f64::from(rung.spp), |run| error_of(run, target));
     let top = libm::log(f64::from(measured.rungs.last()?.spp));
     Ratio::of(courses.iter().map(|points| {
         let known: Vec<_> =

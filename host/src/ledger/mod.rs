@@ -18,23 +18,14 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use crate::description::SceneDescription;
-use crate::diff::Metric;
 use crate::error::Error;
 use crate::film::{Film, Region};
+use crate::promise::Target;
 use crate::render::{Monitor, RenderSettings, with_tracer};
 use account::Account;
 use levels::{Choice, LeftOut, levels};
 use measure::{Effort, measure, middle};
 use reference::Reference;
-
-/// An error to reach.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
-    /// RMSE or relMSE.
-    pub metric: Metric,
-    /// Its value.
-    pub value: f64,
-}
 
 /// What a ledger is asked for.
 #[derive(Clone, Debug)]

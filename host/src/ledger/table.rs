@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::account::{Account, Verdict};
+use super::Ledger;
+use super::account::{Account, Verdict, error_of};
 use super::estimate::Ratio;
 use super::reference::Source;
-use super::{Ledger, Target};
 use crate::commands::words::duration;
 use crate::diff::{Metric, REL_MSE_FORMULA, significant};
 
@@ -20,8 +20,8 @@ impl Ledger {
         let time = format!("time to {}", self.target.value);
         let _ = writeln!(
             text,
-            "  what differs                  spp   s a run  {:<15}{time:<20}efficiency slope",
-            self.target.metric,
+            "  what differs                 spp  s a run  {:<14}{time:<24}{:<8}slope",
+            self.target.metric, "worth",
         );
         for account in &self.accounts {
             let _ = writeln!(text, "  {}", self.row(account).trim_end());
@@ -62,12 +62,14 @@ impl Ledger {
 
     fn row(&self, account: &Account) -> String {
         let (rung, target) = (account.top(), self.target);
-        let error = rung.estimate(|run| target.error(run));
+        let error = rung.estimate(|run| error_of(run, target));
         let seconds = rung.estimate(|run| run.seconds).value;
         let share = 100.0 * error.half / error.value;
         let error = match account.is_same_picture && !account.is_baseline() {
             true => "same picture".to_owned(),
-            false => format!("{} +-{share:.0} %", three(error.value)),
+            false if error.value > 0.0 => format!("{} +-{share:.0} %", figure(error.value)),
+            // The reference is off by as much.
+            false => "in the noise".to_owned(),
         };
         let time = if account.is_same_picture && !account.is_baseline() { String::new() } else { self.time(account) };
         let efficiency = match account.efficiency {
@@ -80,13 +82,10 @@ impl Ledger {
             Some(slope) => format!("{:.2}", slope.value),
             None => "?".to_owned(),
         };
-        let bias = if account.is_biased() { "  biased" } else { "" };
+        let bias = if account.is_biased() { "*" } else { "" };
         let name = account.name();
-        format!(
-            "{name:<27}{:>6} {:>9}  {error:<15}{time:<20}{efficiency:<11}{slope}{bias}",
-            rung.spp,
-            duration(seconds)
-        )
+        let (spp, seconds) = (rung.spp, duration(seconds));
+        format!("{name:<25} {spp:>6} {seconds:>8}  {error:<13} {time:<23} {efficiency:<7} {slope}{bias}")
     }
 
     /// When a level reaches the target.
@@ -95,9 +94,9 @@ impl Ledger {
             Some([seconds, spp]) if spp.value < TOO_FAR * f64::from(account.top().spp) => {
                 let [low, high] = seconds.interval;
                 if high < 1e3 * low {
-                    format!("{} ({}..{})", three(seconds.value), three(low), three(high))
+                    format!("{} ({}..{})", figure(seconds.value), figure(low), figure(high))
                 } else {
-                    format!("about {}", three(seconds.value))
+                    format!("about {}", figure(seconds.value))
                 }
             }
             Some(_) => "far away".to_owned(),
@@ -108,8 +107,8 @@ impl Ledger {
     /// What is to be known beside the table.
     fn notes(&self) -> Vec<String> {
         let mut notes = vec![format!(
-            "time to {}: seconds of tracing, with their 95 % interval; efficiency: 1 / (variance x processor\ntime) over that of the first row, or speed where the picture is the same; {}= no difference shown",
-            self.target, "~"
+            "time: seconds of tracing to {}, with their 95 % interval. worth: 1 / (variance x processor time)\nover that of the first row, or speed where the picture is the same; ~ no difference shown",
+            self.target
         )];
         if self.target.metric == Metric::RelMse {
             notes.push(format!("relMSE = {REL_MSE_FORMULA}, less what the reference itself is off by"));
@@ -117,11 +116,11 @@ impl Ledger {
         for account in self.accounts.iter().filter(|account| account.is_biased()) {
             let Some(bias) = account.bias else { continue };
             notes.push(format!(
-                "{}: biased: mean {:+.2} % (+-{:.2}), {} RMSE that no samples take away",
+                "* {} is biased: mean {:+.2} % (+-{:.2}); no samples take away {} of RMSE",
                 account.name(),
                 100.0 * bias.mean.value,
                 100.0 * bias.mean.half,
-                three(bias.square.value.max(0.0).sqrt()),
+                figure(bias.square.value.max(0.0).sqrt()),
             ));
         }
         if let Some(baseline) = self.accounts.first() {
@@ -178,12 +177,6 @@ impl Ledger {
     }
 }
 
-impl std::fmt::Display for Target {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} {}", self.metric, self.value)
-    }
-}
-
 /// Seconds with their interval, for a sentence.
 fn within(seconds: &Ratio) -> String {
     let [low, high] = seconds.interval;
@@ -198,6 +191,10 @@ fn factor(ratio: &Ratio) -> String {
     if ratio.spans(1.0) { format!("~{value}") } else { value }
 }
 
-fn three(value: f64) -> String {
-    significant(value, 3)
+/// In few digits, which say enough of an estimate.
+pub(super) fn figure(value: f64) -> String {
+    match value.abs() {
+        1e-3..1e5 | 0.0 => significant(value, 3),
+        _ => format!("{value:.1e}"),
+    }
 }
