@@ -9,6 +9,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::diff::{Metric, REL_MSE_EPSILON};
 use crate::film::Film;
+use ocellus_kernel::Pixel;
 
 /// An error to reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,18 +63,11 @@ impl Outlook {
         let mut spp = u32::MAX;
         for (index, (a, b)) in a.iter().zip(b).enumerate() {
             let tile = index / width / TILE * tiles_across + index % width / TILE;
-            let mut both = *a;
-            both.merge(b);
-            spp = spp.min(both.count());
-            let (mean, variance, count) = (both.mean(), both.variance(), f64::from(both.count()));
-            let (mean_a, mean_b) = (a.mean(), b.mean());
-            for channel in 0..3 {
-                let mean = f64::from(mean[channel]);
-                let weight = if metric == Metric::Rmse { 1.0 } else { 1.0 / (mean * mean + REL_MSE_EPSILON) };
-                let difference = f64::from(mean_a[channel]) - f64::from(mean_b[channel]);
-                expected[tile] += weight * variance[channel] / count;
-                halved[tile] += weight * difference * difference * 0.25;
-            }
+            spp = spp.min(a.count().saturating_add(b.count()));
+            spread(a, b, metric, |expects, strays| {
+                expected[tile] += expects;
+                halved[tile] += strays;
+            });
         }
         if spp < FIRST_LOOK {
             return None;
@@ -92,6 +86,35 @@ impl Outlook {
         let ratio = self.most / target.value;
         if target.metric == Metric::Rmse { ratio * ratio } else { ratio }
     }
+}
+
+/// Shows, for each channel of a pixel, the squared error to expect of its mean, and how large it came out between the
+/// halves; both weighed as the metric does.
+///
+/// Rare bright samples raise a half's mean and its variance alike. So each half's variance is weighed by the mean of the
+/// other: by its own, just those would count too little.
+fn spread(a: &Pixel, b: &Pixel, metric: Metric, mut see: impl FnMut(f64, f64)) {
+    let [of_a, of_b] = [a, b].map(|half| (half.mean(), half.variance(), f64::from(half.count())));
+    for channel in 0..3 {
+        let part = |half: &([f32; 3], [f64; 3], f64)| (f64::from(half.0[channel]), half.1[channel] / half.2);
+        let ((mean_a, square_a), (mean_b, square_b)) = (part(&of_a), part(&of_b));
+        let [weight_a, weight_b] = [(mean_a, square_a), (mean_b, square_b)].map(|(mean, square)| match metric {
+            Metric::Rmse => 1.0,
+            _ => weight(mean, square),
+        });
+        let difference = mean_a - mean_b;
+        // Of the mean of both halves: a quarter of the sum of their squared errors.
+        let expects = 0.25 * (square_a * weight_b + square_b * weight_a);
+        see(expects, 0.25 * difference * difference * 0.5 * (weight_a + weight_b));
+    }
+}
+
+/// What relMSE divides by, inverted, of a mean that is known but for a variance: without what that adds on average, to
+/// second order.
+fn weight(mean: f64, variance: f64) -> f64 {
+    let sum = mean * mean + REL_MSE_EPSILON;
+    let bent = (3.0 * mean * mean - REL_MSE_EPSILON) / (sum * sum);
+    1.0 / (sum * (1.0 + (bent * variance).max(0.0)))
 }
 
 /// How many standard deviations leave the risk above. It is shared by the looks: those within a doubling of the samples

@@ -9,7 +9,7 @@ use crate::film::{Film, Region};
 use crate::input::read_picture;
 use crate::picture::Picture;
 use crate::render::{Monitor, Precision, RenderSettings, with_tracer};
-use ocellus_kernel::Accuracy;
+use ocellus_kernel::{Accuracy, Pixel};
 
 /// A picture that is taken for the truth, with what is known of its own noise.
 #[derive(Clone, Debug)]
@@ -93,10 +93,15 @@ impl Reference {
                 }
             }
             let seconds = start.elapsed().as_secs_f64();
-            let count = f64::from(spp);
-            let variance = film.pixels().iter().map(|pixel| pixel.variance().map(|one| one / count)).collect();
-            Ok(Self { picture: film.picture(), variance, source: Source::Rendered { spp, seconds } })
+            Ok(Self { source: Source::Rendered { spp, seconds }, ..Self::of(&film) })
         })?
+    }
+
+    /// Of a film, with what its samples say of their means' noise.
+    pub fn of(film: &Film) -> Self {
+        let variance = |pixel: &Pixel| pixel.variance().map(|one| one / f64::from(pixel.count().max(1)));
+        let source = Source::Rendered { spp: film.samples_per_pixel()[1], seconds: 0.0 };
+        Self { picture: film.picture(), variance: film.pixels().iter().map(variance).collect(), source }
     }
 
     /// Its own root mean squared error, as far as that is known.
