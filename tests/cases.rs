@@ -226,8 +226,15 @@ const CASES: &[Case] = &[
     case(
         "N43",
         "random numbers",
-        &["sampling::philox_is_even_along_every_part_of_the_address", "sampling::addresses_do_not_collide"],
-        "waits for Sobol' points in part",
+        &[
+            "sampling::philox_is_even_along_every_part_of_the_address",
+            "sampling::addresses_do_not_collide",
+            "sobol::aligned_samples_are_a_net",
+            "sobol::numbers_are_even_along_every_other_part_of_the_address",
+            "sobol::sequences_are_unrelated",
+            "sobol::means_are_unbiased",
+        ],
+        "",
     ),
     case(
         "N44",

@@ -8,7 +8,7 @@ use ocellus_kernel::path::PathOptions;
 use ocellus_kernel::real::{Real, Vector};
 use ocellus_kernel::sampler::{AddressedRng, AddressedSampler, ForeignSampler};
 use ocellus_kernel::texture::Texture;
-use ocellus_kernel::{EffectSet, Effects, Everything, View};
+use ocellus_kernel::{EffectSet, Effects, Everything, SamplerKind, View};
 
 use crate::support::in_both_precisions;
 use crate::support::meshes::{cube, floor, icosphere};
@@ -51,6 +51,7 @@ kernels! {
     Roulette = SPHERES | EMISSION | INDIRECT | ROULETTE;
     Lens = TRIANGLES | POINT_LIGHT | LENS;
     Filtered = TRIANGLES | POINT_LIGHT | FILTER;
+    Sobol = TRIANGLES | POINT_LIGHT | INDIRECT | SOBOL;
     SkyAndLamp = TRIANGLES | SPHERES | BACKGROUND | SPHERE_LIGHT | POINT_LIGHT | INDIRECT | MIRROR | GLASS;
 }
 
@@ -68,6 +69,7 @@ const DIRECT: PathOptions = PathOptions {
     light_sampling: LightSampling::Cone,
     fresnel: ocellus_kernel::material::Fresnel::Exact,
     roulette_after: None,
+    sampler: SamplerKind::Independent,
     seed: 77,
 };
 
@@ -162,7 +164,7 @@ pub(crate) fn all<R: Real>() -> Case<R> {
     Case {
         scene,
         settings: CameraSettings { aperture_radius: 0.1, filter: Filter::Gaussian(0.5), ..CAMERA },
-        options: PathOptions { indirect: true, roulette_after: Some(1), ..DIRECT },
+        options: PathOptions { indirect: true, roulette_after: Some(1), sampler: SamplerKind::Sobol, ..DIRECT },
     }
 }
 
@@ -197,6 +199,8 @@ fn for_each_case<R: Real>(mut visitor: impl Visit<R>) {
     visitor.visit::<Roulette>(Effects::ROULETTE, &case);
     let lens = CameraSettings { aperture_radius: 0.2, focal_distance: 4.0, ..CAMERA };
     visitor.visit::<Lens>(Effects::LENS, &Case { settings: lens, ..direct(corner()) });
+    let sobol = PathOptions { indirect: true, sampler: SamplerKind::Sobol, ..DIRECT };
+    visitor.visit::<Sobol>(Effects::SOBOL, &Case { options: sobol, ..direct(corner()) });
     for filter in [Filter::Gaussian(0.5), Filter::Tent(1.0)] {
         let settings = CameraSettings { filter, ..CAMERA };
         visitor.visit::<Filtered>(Effects::FILTER, &Case { settings, ..direct(corner()) });
@@ -266,6 +270,7 @@ impl<R: Real> Visit<R> for IsMissed {
                 11 => paths::<R, Without<11>>(view),
                 12 => paths::<R, Without<12>>(view),
                 13 => paths::<R, Without<13>>(view),
+                14 => paths::<R, Without<14>>(view),
                 bit => panic!("effect {bit} is new: give it a row"),
             };
             assert!(without != paths::<R, Everything>(view), "{name}: nothing changes without it");
@@ -321,7 +326,7 @@ fn a_foreign_generator_with_the_same_numbers_gives_the_same_bits<R: Real>() {
     let Case { scene, settings, options } = all::<R>();
     with_view(&scene, &settings, &options, |view| {
         for (x, y, sample) in (0..16).flat_map(|x| (0..16).flat_map(move |y| (0..4).map(move |s| (x, y, s)))) {
-            let own = AddressedSampler::new(options.seed, x, y, sample);
+            let own = AddressedSampler::new(options.seed, x, y, sample).of_kind(options.sampler);
             let mut foreign = ForeignSampler::new(AddressedRng::new(own));
             let drawn = view.sample_with::<Everything>(x, y, &mut foreign);
             let addressed = view.sample::<Everything>(x, y, sample);

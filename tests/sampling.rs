@@ -1,7 +1,7 @@
 //! Samplers against their densities, and the generator behind them.
 
 use ocellus_kernel::real::{Real, Vector};
-use ocellus_kernel::sampler::{AddressedSampler, Block, Sampler};
+use ocellus_kernel::sampler::{AddressedSampler, Block, Sampler, SamplerKind};
 use ocellus_kernel::warp::{cone, cosine_hemisphere, disk, gaussian, tent, to_world};
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -195,10 +195,44 @@ fn far_cones_keep_their_solid_angle<R: Real>() {
 }
 
 /// From a counter to (seed, column, row, sample, vertex).
-type Walk = fn(u32) -> (u64, u32, u32, u32, u32);
+pub(crate) type Walk = fn(u32) -> (u64, u32, u32, u32, u32);
 
-/// Every part of an address, counted up by ones as a renderer does, gives numbers that fill a grid evenly: the top
-/// bits against the bits below them, each lane against the next, and each address against its neighbour.
+/// How many addresses a walk visits.
+pub(crate) const STEPS: u32 = 1 << 17;
+
+/// Numbers along a walk through addresses fill a grid evenly: the top bits against the bits below them, the lowest
+/// bits likewise, each lane against the next, and each address against its neighbour.
+pub(crate) fn assert_even(name: &str, kind: SamplerKind, address: Walk) {
+    for block in [Block::Scatter, Block::Light] {
+        let numbers = |i: u32| {
+            let (seed, x, y, sample, vertex) = address(i);
+            let mut sampler = AddressedSampler::new(seed, x, y, sample).of_kind(kind);
+            sampler.begin_vertex(vertex);
+            sampler.numbers(block)
+        };
+        let mut counts = [vec![0u64; 4096], vec![0; 4096], vec![0; 4096], vec![0; 4096]];
+        let mut mean = Moments::default();
+        let mut previous = numbers(STEPS);
+        for i in 0..STEPS {
+            let now = numbers(i);
+            for lane in 0..4 {
+                let [here, next, before] = [now[lane], now[(lane + 1) % 4], previous[lane]];
+                counts[0][(here >> 20) as usize] += 1;
+                counts[1][(here & 0xFFF) as usize] += 1;
+                counts[2][(here >> 26 << 6 | next >> 26) as usize] += 1;
+                counts[3][(here >> 26 << 6 | before >> 26) as usize] += 1;
+                mean.add(f64::from(here) / 4_294_967_296.0);
+            }
+            previous = now;
+        }
+        for (what, counts) in ["top bits", "low bits", "lanes", "neighbours"].into_iter().zip(&counts) {
+            assert_uniform(&format!("{name} {block:?} {what}"), counts);
+        }
+        mean.assert_mean(&format!("{name} {block:?}"), 0.5, 0.0);
+    }
+}
+
+/// Along every part of an address, counted up by ones as a renderer does.
 #[test]
 fn philox_is_even_along_every_part_of_the_address() {
     let walks: [(&str, Walk); 6] = [
@@ -210,34 +244,9 @@ fn philox_is_even_along_every_part_of_the_address() {
         ("vertex", |i| (7, 3, 5, i >> 6, i & 63)),
     ];
     for (name, address) in walks {
-        for block in [Block::Scatter, Block::Light] {
-            let numbers = |i: u32| {
-                let (seed, x, y, sample, vertex) = address(i);
-                let mut sampler = AddressedSampler::new(seed, x, y, sample);
-                sampler.begin_vertex(vertex);
-                sampler.numbers(block)
-            };
-            let mut counts = [vec![0u64; 4096], vec![0; 4096], vec![0; 4096]];
-            let mut mean = Moments::default();
-            let mut previous = numbers(1 << 17);
-            for i in 0..1 << 17 {
-                let now = numbers(i);
-                for lane in 0..4 {
-                    let [here, next, before] = [now[lane], now[(lane + 1) % 4], previous[lane]];
-                    counts[0][(here >> 20) as usize] += 1;
-                    counts[1][(here >> 26 << 6 | next >> 26) as usize] += 1;
-                    counts[2][(here >> 26 << 6 | before >> 26) as usize] += 1;
-                    mean.add(f64::from(here) / 4_294_967_296.0);
-                }
-                previous = now;
-            }
-            for (what, counts) in ["top bits", "lanes", "neighbours"].into_iter().zip(&counts) {
-                assert_uniform(&format!("{name} {block:?} {what}"), counts);
-            }
-            mean.assert_mean(&format!("{name} {block:?}"), 0.5, 0.0);
-        }
+        assert_even(name, SamplerKind::Independent, address);
     }
-    Trials::passed::<f32>("N43", "numbers along every part of the address", 12 << 17);
+    Trials::passed::<f32>("N43", "numbers along every part of the address", 12 * STEPS);
 }
 
 /// No two pixels of the largest picture, and no two samples of a pixel, share numbers: Philox is a bijection of its

@@ -26,6 +26,9 @@ mod bvh;
 /// Samples follow their densities; the generator is even.
 mod sampling;
 
+/// Sobol's numbers fill their space evenly, differ wherever they should, and give the same pictures with less noise.
+mod sobol;
+
 /// Pictures with known answers.
 mod closed_forms;
 

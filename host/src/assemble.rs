@@ -10,6 +10,7 @@ use ocellus_kernel::light::{Light, LightSampling, PointLight, SphereLight};
 use ocellus_kernel::material::{Dielectric, Diffuse, Fresnel, Material, Mirror, Scattering};
 use ocellus_kernel::path::PathOptions;
 use ocellus_kernel::real::{Real, Vec3, vec3_from_f64};
+use ocellus_kernel::sampler::SamplerKind;
 use ocellus_kernel::scene::{Scene, SceneParts};
 use ocellus_kernel::shape::{Geometry, Sphere, TriangleAttributes};
 use ocellus_kernel::texture::Texture;
@@ -17,7 +18,7 @@ use ocellus_kernel::view::View;
 
 use crate::description::{
     FilterDescription, FresnelDescription, IntegratorDescription, LightDescription, LightSamplingDescription,
-    MaterialDescription, MeshDescription, ScatteringDescription, SceneDescription,
+    MaterialDescription, MeshDescription, SamplerDescription, ScatteringDescription, SceneDescription,
 };
 use crate::error::Error;
 use crate::hierarchy::Hierarchy;
@@ -306,6 +307,10 @@ pub fn path_options(integrator: &IntegratorDescription) -> PathOptions {
             FresnelDescription::Exact => Fresnel::Exact,
         },
         roulette_after: integrator.roulette_after,
+        sampler: match integrator.sampler {
+            SamplerDescription::Independent => SamplerKind::Independent,
+            SamplerDescription::Sobol => SamplerKind::Sobol,
+        },
         seed: integrator.seed,
     }
 }

@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::accuracy::AccuracyArgs;
 use crate::assemble::Accel;
-use crate::description::FresnelDescription;
+use crate::description::{FresnelDescription, SamplerDescription};
 use crate::diff::Metric;
 use crate::film::Region;
 use crate::isa::IsaChoice;
@@ -71,6 +71,9 @@ pub struct SceneArgs {
     /// How dielectrics share light between reflection and refraction [default: as the scene says].
     #[arg(long, value_enum)]
     pub fresnel: Option<FresnelDescription>,
+    /// How the numbers of the samples of one pixel relate to each other [default: as the scene says].
+    #[arg(long, value_enum)]
+    pub sampler: Option<SamplerDescription>,
     /// Print one JSON object on standard output.
     #[arg(long)]
     pub json: bool,

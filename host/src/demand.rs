@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use ocellus_kernel::Effects;
 
-use crate::description::{FilterDescription, LightDescription, ScatteringDescription, SceneDescription};
+use crate::description::{
+    FilterDescription, LightDescription, SamplerDescription, ScatteringDescription, SceneDescription,
+};
 use crate::error::Origin;
 use glam::DVec3;
 
@@ -83,6 +85,9 @@ pub fn demands(scene: &SceneDescription) -> Vec<Demand> {
     }
     if integrator.roulette_after.is_some() {
         ask(Effects::ROULETTE, &integrator.roulette_origin);
+    }
+    if integrator.sampler == SamplerDescription::Sobol {
+        ask(Effects::SOBOL, &integrator.sampler_origin);
     }
     if scene.camera.aperture_radius > 0.0 {
         ask(Effects::LENS, &scene.camera.lens_origin);

@@ -117,6 +117,15 @@ pub enum FresnelDescription {
     Exact,
 }
 
+/// How the numbers of the samples of one pixel relate to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SamplerDescription {
+    /// Not at all: each sample is independent of the others.
+    Independent,
+    /// They avoid each other: Sobol's sequence, scrambled. Less noise, least at 16, 64, 256 ... samples.
+    Sobol,
+}
+
 /// Which light transport is simulated.
 #[derive(Clone, Debug)]
 pub struct IntegratorDescription {
@@ -140,6 +149,10 @@ pub struct IntegratorDescription {
     pub background: DVec3,
     /// Line that set `background`.
     pub background_origin: Origin,
+    /// How the numbers of the samples of one pixel relate to each other.
+    pub sampler: SamplerDescription,
+    /// Line that set `sampler`.
+    pub sampler_origin: Origin,
     /// Seed of the sample numbers.
     pub seed: u64,
 }

@@ -133,7 +133,8 @@ impl Film {
     }
 
     /// Estimated root mean square error of the picture over pixels and channels, from the spread of each pixel's
-    /// samples; `None` where a pixel has fewer than two.
+    /// samples; `None` where a pixel has fewer than two. For independent samples: those of Sobol's sequence avoid each
+    /// other, and then the error is smaller than this.
     pub fn estimated_rmse(&self) -> Option<f64> {
         if self.pixels.iter().any(|pixel| pixel.count() < 2) {
             return None;

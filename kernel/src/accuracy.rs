@@ -17,8 +17,8 @@
 //! }
 //! ```
 //!
-//! How dielectrics split light is a choice of the scene, [`crate::material::Fresnel`], and how lights are sampled
-//! another, [`crate::light::LightSampling`].
+//! How dielectrics split light is a choice of the scene, [`crate::material::Fresnel`], and so is how lights are sampled,
+//! [`crate::light::LightSampling`], and with which numbers, [`crate::sampler::SamplerKind`].
 
 macro_rules! choices {
     ($($(#[$doc:meta])* $name:ident { $($(#[$value_doc:meta])* $value:ident $word:literal,)* } robust $robust:ident)*) => {

@@ -16,6 +16,7 @@
 //! | `ROULETTE` | `PathOptions::roulette_after` | `path` | a comparison and a division per bounce |
 //! | `LENS` | a camera with an aperture | `camera` | a point on the lens per path |
 //! | `FILTER` | a tent or Gaussian pixel filter | `camera` | square roots (and a logarithm) per path |
+//! | `SOBOL` | `PathOptions::sampler` | `sampler::sobol`, called by `view` | about 60 instructions per four numbers |
 //!
 //! A kernel is compiled for a set of them, an [`EffectSet`]. An effect outside of the set leaves no code behind; a
 //! scene must only be given to a kernel whose set contains the scene's own ([`crate::View::required_effects`]).
@@ -53,6 +54,7 @@ effects! {
     11 ROULETTE "roulette" "Unbiased random path ends.";
     12 LENS "lens" "A lens of finite aperture.";
     13 FILTER "filter" "Tent or Gaussian pixel reconstruction.";
+    14 SOBOL "sobol" "Sample numbers that avoid each other.";
 }
 
 impl Effects {

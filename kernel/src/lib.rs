@@ -56,6 +56,7 @@ pub use film::{ImageHash, Pixel};
 pub use path::PathOptions;
 pub use ray::{Hit, Ray};
 pub use real::Real;
+pub use sampler::SamplerKind;
 pub use scene::{Scene, SceneParts};
 pub use view::{View, Work};
 

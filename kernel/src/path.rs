@@ -6,7 +6,7 @@ use crate::light::{self, LightSampling};
 use crate::material::{Diffuse, Fresnel, Scattering, dielectric, diffuse, mirror};
 use crate::ray::Ray;
 use crate::real::{Real, Vec3, Vector};
-use crate::sampler::{Block, Sampler};
+use crate::sampler::{Block, Sampler, SamplerKind};
 use crate::scene::Scene;
 use crate::surface::{SurfacePoint, surface_point};
 
@@ -24,6 +24,8 @@ pub struct PathOptions {
     pub fresnel: Fresnel,
     /// Paths may end at random, unbiased, after any scattering event but the first so many; `None` never.
     pub roulette_after: Option<u32>,
+    /// How the numbers of the samples of one pixel relate to each other, where the kernel makes them itself.
+    pub sampler: SamplerKind,
     /// Seed of the sample numbers.
     pub seed: u64,
 }
@@ -36,6 +38,7 @@ impl Default for PathOptions {
             light_sampling: LightSampling::Cone,
             fresnel: Fresnel::Exact,
             roulette_after: None,
+            sampler: SamplerKind::Independent,
             seed: 0,
         }
     }
@@ -44,7 +47,9 @@ impl Default for PathOptions {
 impl PathOptions {
     /// The effects that these options need.
     pub fn required_effects(&self) -> Effects {
-        Effects::INDIRECT.when(self.indirect).union(Effects::ROULETTE.when(self.roulette_after.is_some()))
+        let roulette = Effects::ROULETTE.when(self.roulette_after.is_some());
+        let sobol = Effects::SOBOL.when(self.sampler == SamplerKind::Sobol);
+        Effects::INDIRECT.when(self.indirect).union(roulette).union(sobol)
     }
 }
 

@@ -47,7 +47,11 @@ impl<R: Real> View<'_, R> {
     /// Sample number `sample` of the pixel in column `x` and row `y`, with the kernel's own numbers.
     #[inline(always)]
     pub fn sample<E: EffectSet>(&self, x: u32, y: u32, sample: u32) -> PathSample<R> {
-        self.sample_with::<E>(x, y, &mut AddressedSampler::new(self.options.seed, x, y, sample))
+        let mut sampler = AddressedSampler::new(self.options.seed, x, y, sample);
+        if const { E::EFFECTS.contains(Effects::SOBOL) } {
+            sampler = sampler.of_kind(self.options.sampler);
+        }
+        self.sample_with::<E>(x, y, &mut sampler)
     }
 
     /// One sample of a pixel with numbers from anywhere.

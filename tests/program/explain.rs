@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::run::{Folder, Outcome, fixture_scenes, program, repository};
 
 /// What must stand in the block of lines that asks for an effect.
-const WORDS: [(&str, &[&str]); 14] = [
+const WORDS: [(&str, &[&str]); 15] = [
     ("spheres", &["center"]),
     ("triangles", &["[[meshes]]"]),
     ("smooth-normals", &["vn "]),
@@ -22,6 +22,7 @@ const WORDS: [(&str, &[&str]); 14] = [
     ("roulette", &["roulette_after"]),
     ("lens", &["aperture_radius"]),
     ("filter", &["filter"]),
+    ("sobol", &["sampler"]),
 ];
 
 fn in_repository(arguments: &[&str]) -> Outcome {
@@ -118,6 +119,7 @@ fn what_the_command_line_changes_is_explained() {
     assert!(plain["bvh"].is_object());
     assert_eq!(of(&["--size", "16x8"])["film_bytes"], 2 * 8 * 8 * 80);
     assert_eq!(of(&["--effects", "all"])["kernel"], "everything");
+    assert_eq!(of(&["--sampler", "sobol"])["effects"]["sobol"], serde_json::json!(["--sampler"]));
     let none = of(&["--accel", "none", "--precision", "f64"]);
     assert_eq!((none["precision"].as_str(), none["bvh"].is_null(), &none["bvh_bytes"]), (Some("f64"), true, &0.into()));
 }

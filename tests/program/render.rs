@@ -70,6 +70,7 @@ fn the_report_has_every_key() {
         ("samples_per_pixel", json!([3, 3])),
         ("max_bounces", json!(7)),
         ("fresnel", json!("exact")),
+        ("sampler", json!("independent")),
         ("effects", json!(["spheres", "sphere-light", "indirect"])),
         ("precision", json!("f32")),
         ("accuracy", json!("robust")),
@@ -95,7 +96,7 @@ fn the_report_has_every_key() {
 }
 
 #[test]
-fn accuracy_is_chosen_and_reported() {
+fn choices_are_reported() {
     let folder = Folder::with_ball();
     let robust = folder.render(&["ball.toml", "-o", "a.exr"]);
     let arguments = ["ball.toml", "--sphere-test", "narrow", "--triangle-test", "watertight", "-o", "b.exr"];
@@ -106,6 +107,9 @@ fn accuracy_is_chosen_and_reported() {
     assert!(explained.stdout.contains("\naccuracy --ray-offset constant\n"), "{}", explained.stdout);
     let schlick = folder.render(&["ball.toml", "--fresnel", "schlick", "-o", "d.exr"]);
     assert_eq!(schlick["fresnel"], json!("schlick"));
+    let sobol = folder.render(&["ball.toml", "--sampler", "sobol", "-o", "e.exr"]);
+    assert_eq!(sobol["sampler"], json!("sobol"));
+    assert_ne!(sobol["image_hash"], robust["image_hash"]);
     let summary = folder.run(&["render", "ball.toml", "--slab-test", "unpadded", "-o", "c.exr"]).with_code(0).stderr;
     assert!(summary.contains("kernel everything with --slab-test unpadded"), "{summary}");
 }

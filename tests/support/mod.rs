@@ -5,6 +5,7 @@ pub(crate) mod double_double;
 pub(crate) mod exact;
 pub(crate) mod losses;
 pub(crate) mod meshes;
+pub(crate) mod noise;
 pub(crate) mod pictures;
 pub(crate) mod property;
 pub(crate) mod random;

@@ -148,8 +148,10 @@ impl Explanation<'_> {
         writeln!(out, "\neffects that are on, and the lines that ask for them")?;
         for demand in self.demands.iter().filter(|demand| !demand.origins.is_empty()) {
             let mut name = demand.name;
-            // The triangles of a bare mesh are its own; all else that no line asks for was chosen for it.
-            let whole = if demand.effect == Effects::TRIANGLES { "" } else { " (by default)" };
+            // The triangles of a bare mesh are its own, and a sampler the command line's; all else that no line asks for
+            // was chosen for it.
+            let is_asked = Effects::TRIANGLES.union(Effects::SOBOL).contains(demand.effect);
+            let whole = if is_asked { "" } else { " (by default)" };
             for lines in origins::layout(&demand.origins, whole, WIDTH - 18) {
                 writeln!(out, "  {name:<15} {lines}")?;
                 name = "";

@@ -11,9 +11,11 @@ pub(crate) mod words;
 
 pub use streams::tell;
 
+use std::path::Path;
+
 use crate::cli::{Cli, Command, SceneArgs};
 use crate::description::SceneDescription;
-use crate::error::{Error, ExitCode};
+use crate::error::{Error, ExitCode, Origin};
 use crate::load::load_scene;
 
 /// Runs the program.
@@ -43,6 +45,10 @@ fn load(args: &SceneArgs) -> Result<SceneDescription, Error> {
     }
     if let Some(fresnel) = args.fresnel {
         scene.integrator.fresnel = fresnel;
+    }
+    if let Some(sampler) = args.sampler {
+        scene.integrator.sampler = sampler;
+        scene.integrator.sampler_origin = Origin::file(Path::new("--sampler"));
     }
     for warning in &scene.warnings {
         tell(format_args!("warning: {warning}"));

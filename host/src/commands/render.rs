@@ -149,6 +149,7 @@ fn report(
         "samples_per_pixel": film.samples_per_pixel(),
         "max_bounces": scene.integrator.max_bounces,
         "fresnel": format!("{:?}", scene.integrator.fresnel).to_lowercase(),
+        "sampler": format!("{:?}", scene.integrator.sampler).to_lowercase(),
         "effects": rendering.required.names().collect::<Vec<_>>(),
         "kernel": rendering.row.name,
         "accuracy": describe(rendering.row.accuracy),

@@ -6,8 +6,8 @@ use ocellus_kernel::accuracy::{RayOffset, SlabTest, SphereTest, TriangleTest};
 
 use crate::assemble::Accel;
 use crate::description::{
-    FresnelDescription, IntegratorDescription, LightDescription, LightSamplingDescription, ScatteringDescription,
-    SceneDescription,
+    FresnelDescription, IntegratorDescription, LightDescription, LightSamplingDescription, SamplerDescription,
+    ScatteringDescription, SceneDescription,
 };
 use crate::isa::{Isa, IsaChoice};
 use crate::kernels::EffectChoice;
@@ -16,6 +16,8 @@ use crate::render::{Precision, RenderSettings};
 /// What can be varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
 pub enum Choice {
+    /// Where the numbers of samples come from.
+    Sampler,
     /// How spherical lights are sampled.
     LightSampling,
     /// How dielectrics share light.
@@ -44,7 +46,8 @@ pub enum Choice {
 
 impl Choice {
     /// All there are.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
+        Self::Sampler,
         Self::LightSampling,
         Self::Fresnel,
         Self::MaxBounces,
@@ -68,6 +71,7 @@ impl Choice {
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
+            Self::Sampler => "sampler",
             Self::LightSampling => "light-sampling",
             Self::Fresnel => "fresnel",
             Self::MaxBounces => "max-bounces",
@@ -135,6 +139,17 @@ impl Made {
         let triangles: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
         let balls = scene.spheres.len() + sphere_lights(scene);
         match choice {
+            Choice::Sampler => {
+                use SamplerDescription::{Independent, Sobol};
+                self.each(
+                    choice,
+                    integrator.sampler,
+                    [(Independent, "independent"), (Sobol, "sobol")],
+                    |level, value| {
+                        level.integrator.sampler = value;
+                    },
+                );
+            }
             Choice::LightSampling if sphere_lights(scene) > 0 => {
                 use LightSamplingDescription::{Cone, Hemisphere, None};
                 self.each(

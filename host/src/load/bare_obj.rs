@@ -14,7 +14,7 @@
 use super::obj::load_obj;
 use crate::description::{
     CameraDescription, FilmDescription, FilterDescription, FresnelDescription, IntegratorDescription, LightDescription,
-    LightSamplingDescription, SceneDescription,
+    LightSamplingDescription, SamplerDescription, SceneDescription,
 };
 use crate::error::{Error, Origin};
 use glam::{DAffine3, DVec3};
@@ -122,6 +122,8 @@ fn integrator(origin: &Origin) -> IntegratorDescription {
         roulette_origin: origin.clone(),
         background: DVec3::ZERO,
         background_origin: origin.clone(),
+        sampler: SamplerDescription::Independent,
+        sampler_origin: origin.clone(),
         seed: 0,
     }
 }

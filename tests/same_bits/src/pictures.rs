@@ -1,4 +1,4 @@
-//! Two small pictures that between them have every effect.
+//! Small pictures that between them have every effect.
 
 use ocellus_kernel::bvh::{BuildItem, BvhStorage, Structure};
 use ocellus_kernel::camera::{CameraSettings, Filter};
@@ -8,7 +8,7 @@ use ocellus_kernel::real::{Real, Vec3, Vector, vec3_from_f64};
 use ocellus_kernel::robust::normalize;
 use ocellus_kernel::shape::{Geometry, Sphere, TriangleAttributes};
 use ocellus_kernel::texture::Texture;
-use ocellus_kernel::{Camera, Everything, ImageHash, PathOptions, Pixel, Scene, SceneParts, View};
+use ocellus_kernel::{Camera, Everything, ImageHash, PathOptions, Pixel, SamplerKind, Scene, SceneParts, View};
 
 use crate::operations::TEXELS;
 
@@ -50,6 +50,15 @@ fn matte<R: Real>(albedo: [f64; 3], texture: Option<u32>, emission: [f64; 3]) ->
 
 /// Mirror, glass and hollow glass under a spherical light, through a lens and a Gaussian filter, with roulette.
 pub fn balls_through_a_lens<R: Real>(_queries: u32) -> u64 {
+    balls::<R>(SamplerKind::Independent)
+}
+
+/// The same by Sobol's numbers.
+pub fn balls_by_sobol<R: Real>(_queries: u32) -> u64 {
+    balls::<R>(SamplerKind::Sobol)
+}
+
+fn balls<R: Real>(sampler: SamplerKind) -> u64 {
     let black = Vec3::<R>::ZERO;
     let glass = |interior, exterior| Material {
         scattering: Scattering::Dielectric(Dielectric {
@@ -99,7 +108,7 @@ pub fn balls_through_a_lens<R: Real>(_queries: u32) -> u64 {
     })
     .expect("a scene");
     let settings = CameraSettings { aperture_radius: 0.1, filter: Filter::Gaussian(0.5), ..CAMERA };
-    hash(&scene, &settings, &PathOptions { roulette_after: Some(2), ..PathOptions::default() })
+    hash(&scene, &settings, &PathOptions { roulette_after: Some(2), sampler, ..PathOptions::default() })
 }
 
 /// A textured, smooth octahedron on two triangles that emit, under a point light and a sky.

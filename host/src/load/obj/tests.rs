@@ -1,7 +1,7 @@
 use super::*;
 use crate::description::{
     CameraDescription, FilmDescription, FilterDescription, FresnelDescription, IntegratorDescription,
-    LightSamplingDescription,
+    LightSamplingDescription, SamplerDescription,
 };
 use crate::error::ExitCode;
 use crate::load::test_folder::TestFolder;
@@ -67,6 +67,8 @@ fn empty_scene() -> SceneDescription {
             roulette_origin: origin.clone(),
             background: DVec3::ZERO,
             background_origin: origin.clone(),
+            sampler: SamplerDescription::Independent,
+            sampler_origin: origin.clone(),
             seed: 0,
         },
         materials: vec![default_material(origin)],

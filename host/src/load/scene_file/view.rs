@@ -3,7 +3,7 @@
 use super::Surroundings;
 use crate::description::{
     CameraDescription, FilmDescription, FilterDescription, FresnelDescription, IntegratorDescription,
-    LightSamplingDescription,
+    LightSamplingDescription, SamplerDescription,
 };
 use crate::error::Error;
 use crate::load::table::Table;
@@ -63,6 +63,14 @@ const FRESNEL: Kind<FresnelDescription> = Kind {
                 ("none", FresnelDescription::None),
             ],
         )
+    },
+};
+
+const SAMPLER: Kind<SamplerDescription> = Kind {
+    wanted: "one of \"independent\", \"sobol\"",
+    example: "\"sobol\"",
+    read: |value| {
+        choice(value, [("independent", SamplerDescription::Independent), ("sobol", SamplerDescription::Sobol)])
     },
 };
 
@@ -141,6 +149,7 @@ pub(super) fn read_integrator(
     let origin = table.origin.clone();
     let indirect = table.get_or("indirect", FLAG, true)?;
     let roulette = table.get("roulette_after", BOUNCES)?;
+    let sampler = table.get_or("sampler", SAMPLER, SamplerDescription::Independent)?;
     let integrator = IntegratorDescription {
         max_bounces: table.get_or("max_bounces", BOUNCES, 7)?.value,
         indirect: indirect.value,
@@ -151,6 +160,8 @@ pub(super) fn read_integrator(
         roulette_origin: roulette.map_or_else(|| origin.clone(), |given| given.origin),
         background: surroundings.background,
         background_origin: surroundings.background_origin,
+        sampler: sampler.value,
+        sampler_origin: sampler.origin,
         seed: table.get_or("seed", SEED, 0)?.value,
         origin,
     };

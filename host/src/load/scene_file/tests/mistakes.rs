@@ -30,6 +30,7 @@ fn every_mistake_is_named_with_its_line_and_a_remedy() {
         Wrong("integrator.max_bounces = -1\n", 1, "is -1, but a whole number", "max_bounces = 7"),
         Wrong("integrator.fresnel = true\n", 1, "is true", "\"exact\""),
         Wrong("integrator.light_sampling = \"area\"\n", 1, "is the text \"area\"", "\"hemisphere\""),
+        Wrong("integrator.sampler = \"halton\"\n", 1, "one of \"independent\", \"sobol\"", "\"sobol\""),
         Wrong("surroundings.background = [1, 2]\n", 1, "is [1, 2]", "one or three finite numbers"),
         Wrong("surroundings.ambient_ior = 0\n", 1, "`ambient_ior` in [surroundings] is 0", "greater than 0"),
         Wrong("materials.x.albedo = 0.5\n", 1, "[materials.x] has no `kind`", "kind = \"diffuse\""),

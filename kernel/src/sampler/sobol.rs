@@ -1,0 +1,191 @@
+//! Sobol's sequence, scrambled: numbers whose samples avoid each other.
+//!
+//! The four numbers of a block are the first four dimensions of the sequence. Of any `2^m` samples that start at a
+//! multiple of `2^m` one falls into each of the `2^m` parts of each dimension, and one into each of the `2^m` equal
+//! rectangles, of any shape in powers of two, of dimensions 0 and 1 (a (0, m, 2)-net). Each block of each vertex has a
+//! sequence of its own: same points, other order, other scrambling, so that blocks are independent of each other
+//! (Burley: Practical hash-based Owen scrambling. JCGT 9:4, 2020, sections 3 to 5).
+//!
+//! Bits are kept reversed, the highest of a number in bit 0, since [`scramble`] works upwards; see there.
+
+use super::philox::{ROUNDS, philox};
+
+/// A primitive polynomial over GF(2) and where its recurrence starts (Joe and Kuo: Constructing Sobol sequences with
+/// better two-dimensional projections. SIAM J. Sci. Comput. 30:5, 2008, file new-joe-kuo-6.21201).
+struct Dimension {
+    degree: usize,
+    /// The coefficients between the first and the last, highest first.
+    coefficients: u32,
+    /// The first `degree` numbers m.
+    start: [u32; 3],
+}
+
+/// Dimensions 1 to 3; dimension 0 is van der Corput's sequence.
+const DIMENSIONS: [Dimension; 3] = [
+    Dimension { degree: 1, coefficients: 0, start: [1, 0, 0] },
+    Dimension { degree: 2, coefficients: 1, start: [1, 3, 0] },
+    Dimension { degree: 3, coefficients: 1, start: [1, 3, 1] },
+];
+
+/// Direction numbers of a dimension, m_k / 2^k as 32-bit fractions: bit k of the index adds number k (Bratley and Fox:
+/// Algorithm 659. ACM TOMS 14:1, 1988, equation 2).
+const fn directions(dimension: usize) -> [u32; 32] {
+    let mut v = [0; 32];
+    let mut k = 0;
+    while k < 32 {
+        v[k] = if dimension == 0 {
+            1 << (31 - k)
+        } else {
+            let Dimension { degree, coefficients, start } = DIMENSIONS[dimension - 1];
+            if k < degree {
+                start[k] << (31 - k)
+            } else {
+                let mut next = v[k - degree] ^ (v[k - degree] >> degree);
+                let mut back = 1;
+                while back < degree {
+                    if coefficients >> (degree - 1 - back) & 1 == 1 {
+                        next ^= v[k - back];
+                    }
+                    back += 1;
+                }
+                next
+            }
+        };
+        k += 1;
+    }
+    v
+}
+
+/// What each value of each four bits of a reversed index adds to the four reversed numbers: 2 KiB, which saves looking
+/// at 32 bits one by one.
+const SUMS: [[[u32; 4]; 16]; 8] = {
+    let mut sums = [[[0; 4]; 16]; 8];
+    let mut dimension = 0;
+    while dimension < 4 {
+        let v = directions(dimension);
+        let mut bit = 0;
+        while bit < 32 {
+            let direction = v[31 - bit].reverse_bits();
+            let mut value = 0;
+            while value < 16 {
+                if value >> (bit % 4) & 1 == 1 {
+                    sums[bit / 4][value][dimension] ^= direction;
+                }
+                value += 1;
+            }
+            bit += 1;
+        }
+        dimension += 1;
+    }
+    sums
+};
+
+/// The four reversed coordinates of the point with a reversed index.
+#[inline(always)]
+fn point(reversed_index: u32) -> [u32; 4] {
+    let mut sum = [0; 4];
+    for (digit, sums) in SUMS.iter().enumerate() {
+        let add = &sums[(reversed_index >> (4 * digit) & 15) as usize];
+        for (sum, add) in sum.iter_mut().zip(add) {
+            *sum ^= add;
+        }
+    }
+    sum
+}
+
+/// Nested uniform scrambling of reversed bits: each bit is flipped or not, as `seed` and the bits below it say. A
+/// multiplication only carries upwards, so hashing by additions and multiplications does that (Laine and Karras:
+/// Stratified sampling for stochastic transparency. EGSR 2011, section 3.1), here with the steps and constants of
+/// Vegdahl (Building a better LK hash. 2021), which come closest to flipping at random. Seeds must be well mixed.
+#[inline(always)]
+fn scramble(reversed: u32, seed: u32) -> u32 {
+    let mut x = reversed;
+    x ^= x.wrapping_mul(0x3D20_ADEA);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul(seed >> 16 | 1);
+    x ^= x.wrapping_mul(0x0552_6C56);
+    x ^ x.wrapping_mul(0x53A2_2864)
+}
+
+/// Four numbers: those of sample `sample` in the sequence that belongs to `[pixel, vertex, block]` and `key`.
+#[inline(always)]
+pub(super) fn numbers([pixel, vertex, block]: [u32; 3], key: [u32; 2], sample: u32) -> [u32; 4] {
+    let seeds = philox::<ROUNDS>([pixel, 0, vertex, block], key);
+    // Two of the four for a fifth, mixed as one round more would.
+    let order = (u64::from(seeds[2]) * 0xCD9E_8D57 >> 32) as u32 ^ seeds[1];
+    // Scrambling the index keeps aligned blocks of 2^m samples together, whichever place they move to.
+    let point = point(scramble(sample.reverse_bits(), order));
+    core::array::from_fn(|lane| scramble(point[lane], seeds[lane]).reverse_bits())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points in the order of the Gray code, as generators publish them, times 32.
+    const PUBLISHED: [[u32; 4]; 16] = [
+        [0, 0, 0, 0],
+        [16, 16, 16, 16],
+        [24, 8, 8, 8],
+        [8, 24, 24, 24],
+        [12, 12, 20, 28],
+        [28, 28, 4, 12],
+        [20, 4, 28, 20],
+        [4, 20, 12, 4],
+        [6, 10, 30, 14],
+        [22, 26, 14, 30],
+        [30, 2, 22, 6],
+        [14, 18, 6, 22],
+        [10, 6, 10, 18],
+        [26, 22, 26, 2],
+        [18, 14, 2, 26],
+        [2, 30, 18, 10],
+    ];
+
+    #[test]
+    fn points_are_the_published_ones() {
+        for (at, expected) in (0u32..).zip(PUBLISHED) {
+            let index = at ^ at >> 1;
+            assert_eq!(point(index.reverse_bits()).map(u32::reverse_bits), expected.map(|x| x << 27), "point {at}");
+        }
+    }
+
+    /// The recurrences of the polynomials x + 1, x^2 + x + 1 and x^3 + x + 1, written out.
+    #[test]
+    fn tables_hold_the_recurrences() {
+        let mut m = [[1u64; 32], [1; 32], [1; 32], [1; 32]];
+        (m[2][1], m[3][1]) = (3, 3);
+        for k in 1..32 {
+            m[1][k] = m[1][k - 1] << 1 ^ m[1][k - 1];
+            if k >= 2 {
+                m[2][k] = m[2][k - 1] << 1 ^ m[2][k - 2] << 2 ^ m[2][k - 2];
+            }
+            if k >= 3 {
+                m[3][k] = m[3][k - 2] << 2 ^ m[3][k - 3] << 3 ^ m[3][k - 3];
+            }
+        }
+        for k in 0..32 {
+            let found = point((1u32 << k).reverse_bits()).map(|x| u64::from(x.reverse_bits()));
+            assert_eq!(found, m.map(|m| m[k] << (31 - k)), "bit {k}");
+        }
+        let [a, b] = [0x9E37_79B9, 0x0F1E_2D3C];
+        let sum: [u32; 4] = core::array::from_fn(|lane| point(a)[lane] ^ point(b)[lane]);
+        assert_eq!(point(a ^ b), sum, "what several bits add is the sum of what each adds");
+    }
+
+    #[test]
+    fn scrambling_is_nested() {
+        // Numbers that share their highest n bits keep sharing exactly these, and no two become one.
+        for seed in [0, 1, 0x8000_0000, 0xDEAD_BEEF, u32::MAX]
+            .into_iter()
+            .chain((0..2000).map(|k: u32| k.wrapping_mul(0x9E37_79B9)))
+        {
+            for x in [0, 1, 0x5555_5555, u32::MAX, seed ^ 0x1234_5678] {
+                for bit in 0..32 {
+                    let changed = scramble(x, seed) ^ scramble(x ^ 1 << bit, seed);
+                    assert_eq!(changed.trailing_zeros(), bit, "{x:#x} {seed:#x}");
+                }
+            }
+        }
+    }
+}
