@@ -20,9 +20,9 @@ const SEEDS: u64 = 6;
 /// Pixels across, and about as many down.
 const WIDTH: u32 = 32;
 /// Trials that need more samples are left out, and counted.
-const MOST_SAMPLES: u32 = 4096;
+const MOST_SAMPLES: u32 = 2048;
 /// Samples of a reference, times those of the longest trial.
-const REFERENCE: u32 = 8;
+const REFERENCE: u32 = 4;
 
 /// What came of one picture.
 struct Trial {

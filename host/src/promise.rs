@@ -60,14 +60,22 @@ impl Outlook {
         let tiles = tiles_across * (a.len() / width.max(1)).div_ceil(TILE);
         let mut expected = vec![0.0; tiles];
         let mut halved = vec![0.0; tiles];
+        let [around_a, around_b] = [a, b].map(|half| denoised(half, width));
         let mut spp = u32::MAX;
         for (index, (a, b)) in a.iter().zip(b).enumerate() {
             let tile = index / width / TILE * tiles_across + index % width / TILE;
             spp = spp.min(a.count().saturating_add(b.count()));
-            spread(a, b, metric, |expects, strays| {
-                expected[tile] += expects;
-                halved[tile] += strays;
-            });
+            for channel in 0..3 {
+                let weight = |around: &[[f64; 3]]| match metric {
+                    Metric::Rmse => 1.0,
+                    _ => 1.0 / (around[index][channel] * around[index][channel] + REL_MSE_EPSILON),
+                };
+                let (weight_a, weight_b) = (weight(&around_a), weight(&around_b));
+                // The mean of both halves has a quarter of the sum of their squared errors.
+                expected[tile] += 0.25 * (noise(a)[channel] * weight_b + noise(b)[channel] * weight_a);
+                let difference = f64::from(a.mean()[channel]) - f64::from(b.mean()[channel]);
+                halved[tile] += 0.25 * difference * difference * 0.5 * (weight_a + weight_b);
+            }
         }
         if spp < FIRST_LOOK {
             return None;
@@ -88,33 +96,58 @@ impl Outlook {
     }
 }
 
-/// Shows, for each channel of a pixel, the squared error to expect of its mean, and how large it came out between the
-/// halves; both weighed as the metric does.
-///
-/// Rare bright samples raise a half's mean and its variance alike. So each half's variance is weighed by the mean of the
-/// other: by its own, just those would count too little.
-fn spread(a: &Pixel, b: &Pixel, metric: Metric, mut see: impl FnMut(f64, f64)) {
-    let [of_a, of_b] = [a, b].map(|half| (half.mean(), half.variance(), f64::from(half.count())));
-    for channel in 0..3 {
-        let part = |half: &([f32; 3], [f64; 3], f64)| (f64::from(half.0[channel]), half.1[channel] / half.2);
-        let ((mean_a, square_a), (mean_b, square_b)) = (part(&of_a), part(&of_b));
-        let [weight_a, weight_b] = [(mean_a, square_a), (mean_b, square_b)].map(|(mean, square)| match metric {
-            Metric::Rmse => 1.0,
-            _ => weight(mean, square),
-        });
-        let difference = mean_a - mean_b;
-        // Of the mean of both halves: a quarter of the sum of their squared errors.
-        let expects = 0.25 * (square_a * weight_b + square_b * weight_a);
-        see(expects, 0.25 * difference * difference * 0.5 * (weight_a + weight_b));
-    }
+/// The squared error to expect of a pixel's mean.
+fn noise(pixel: &Pixel) -> [f64; 3] {
+    pixel.variance().map(|variance| variance / f64::from(pixel.count().max(1)))
 }
 
-/// What relMSE divides by, inverted, of a mean that is known but for a variance: without what that adds on average, to
-/// second order.
-fn weight(mean: f64, variance: f64) -> f64 {
-    let sum = mean * mean + REL_MSE_EPSILON;
-    let bent = (3.0 * mean * mean - REL_MSE_EPSILON) / (sum * sum);
-    1.0 / (sum * (1.0 + (bent * variance).max(0.0)))
+/// Means with less noise, for relMSE to divide by: each is drawn toward the mean of the five by five around it, the more
+/// the less those differ beyond their noise (Lee: Digital image enhancement and noise filtering by use of local
+/// statistics. IEEE PAMI 2:2, 1980).
+///
+/// The variance of one half is weighed by the means of the other: rare bright samples raise a half's mean and its
+/// variance alike, so that by its own mean just those would count too little.
+fn denoised(pixels: &[Pixel], width: usize) -> Vec<[f64; 3]> {
+    let of_pixel = |pixel: &Pixel| {
+        let (mean, noise) = (pixel.mean().map(f64::from), noise(pixel));
+        std::array::from_fn(|channel| [mean[channel], mean[channel] * mean[channel], noise[channel]])
+    };
+    let values: Vec<[[f64; 3]; 3]> = pixels.iter().map(of_pixel).collect();
+    let local = box_means(&values, width);
+    values
+        .iter()
+        .zip(&local)
+        .map(|(own, local)| {
+            std::array::from_fn(|channel| {
+                let [mean, square, noise] = local[channel];
+                let differing = square - mean * mean;
+                let share = if differing > noise { 1.0 - noise / differing } else { 0.0 };
+                mean + share * (own[channel][0] - mean)
+            })
+        })
+        .collect()
+}
+
+/// The mean of the five by five values around each, the nearest ones again where the picture ends.
+fn box_means(values: &[[[f64; 3]; 3]], width: usize) -> Vec<[[f64; 3]; 3]> {
+    let height = values.len() / width.max(1);
+    let along = |from: &[[[f64; 3]; 3]], at: &dyn Fn(usize, usize, usize) -> usize| -> Vec<[[f64; 3]; 3]> {
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let mean = |(x, y): (usize, usize)| {
+            let mut sum = [[0.0; 3]; 3];
+            for tap in 0..5 {
+                let value = &from[at(x, y, tap)];
+                for (sum, value) in sum.as_flattened_mut().iter_mut().zip(value.as_flattened()) {
+                    *sum += 0.2 * value;
+                }
+            }
+            sum
+        };
+        places.map(mean).collect()
+    };
+    let tap = |at: usize, tap: usize, end: usize| (at + tap).saturating_sub(2).min(end - 1);
+    let rows = along(values, &|x, y, k| y * width + tap(x, k, width));
+    along(&rows, &|x, y, k| tap(y, k, height) * width + x)
 }
 
 /// How many standard deviations leave the risk above. It is shared by the looks: those within a doubling of the samples

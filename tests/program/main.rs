@@ -14,6 +14,9 @@ mod same_bits;
 /// `explain` names the line that asks for each effect.
 mod explain;
 
+/// `--target-error` and `--time` stop where they say.
+mod promise;
+
 /// `ledger` measures what accuracy costs.
 mod ledger;
 

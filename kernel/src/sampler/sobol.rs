@@ -112,7 +112,7 @@ fn scramble(reversed: u32, seed: u32) -> u32 {
 pub(super) fn numbers([pixel, vertex, block]: [u32; 3], key: [u32; 2], sample: u32) -> [u32; 4] {
     let seeds = philox::<ROUNDS>([pixel, 0, vertex, block], key);
     // Two of the four for a fifth, mixed as one round more would.
-    let order = (u64::from(seeds[2]) * 0xCD9E_8D57 >> 32) as u32 ^ seeds[1];
+    let order = ((u64::from(seeds[2]) * 0xCD9E_8D57) >> 32) as u32 ^ seeds[1];
     // Scrambling the index keeps aligned blocks of 2^m samples together, whichever place they move to.
     let point = point(scramble(sample.reverse_bits(), order));
     core::array::from_fn(|lane| scramble(point[lane], seeds[lane]).reverse_bits())
