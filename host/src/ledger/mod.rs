@@ -2,7 +2,8 @@
 //!
 //! Independent runs of the scene as it is asked for, and with one option at a time at another level, are compared with a
 //! reference at 1, 2, 4 ... samples per pixel. The runs of all levels share their seeds and take turns, so that chance and
-//! a busy machine touch all alike; intervals are Student's, over runs. What came of it is told as a table and as data.
+//! a busy machine touch all alike; intervals are Student's, over runs. What came of it is told as a table, as data and as a
+//! page of plots and pictures.
 
 pub mod account;
 pub mod crop;
@@ -11,6 +12,7 @@ pub mod estimate;
 pub mod figures;
 pub mod levels;
 pub mod measure;
+pub mod page;
 pub mod reference;
 pub mod spread;
 pub mod table;
