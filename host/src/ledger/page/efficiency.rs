@@ -1,8 +1,8 @@
 //! What each option is worth: error and time in one figure.
 
-use super::axis::{Axis, is_shown, plain, range_of, ticks};
+use super::axis::{Axis, is_shown, plain, range_of};
 use super::markup::escape;
-use super::plot::{Shape, drawing_in, each_shape};
+use super::plot::{Shape, drawing_in, each_shape, uprights};
 use crate::ledger::Ledger;
 use crate::ledger::account::Account;
 use crate::ledger::estimate::Ratio;
@@ -66,15 +66,7 @@ fn chart(groups: &[(&str, Vec<Worth<'_>>)], shape: Shape) -> String {
             y += step;
         }
     }
-    let mut grid = String::new();
-    for tick in ticks(range, if shape.is_narrow { 6 } else { 10 }) {
-        let x = axis.place(tick);
-        grid += &format!(
-            "<path class=\"grid\" d=\"M{x:.1} 36V{y}\" /><text class=\"tick\" x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-            y + 18.0,
-            plain(tick)
-        );
-    }
+    let mut grid = uprights(&axis, if shape.is_narrow { 6 } else { 10 }, [36.0, y], plain);
     grid += &format!("<path class=\"one\" d=\"M{one:.1} 36V{y}\" />");
     let title = "Efficiency of each level over the scene as asked for";
     let what = "A bar for each level, with its interval; the figures are in the table of all levels below.";

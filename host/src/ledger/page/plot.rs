@@ -148,14 +148,7 @@ impl Paper {
             right - left,
             bottom - top
         );
-        for tick in ticks(self.x.range, most[0]) {
-            let x = self.x.place(tick);
-            text += &format!(
-                "<path class=\"grid\" d=\"M{x:.1} {top}V{bottom}\" /><text class=\"tick\" x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                bottom + 18.0,
-                (x_title.value)(tick),
-            );
-        }
+        text += &uprights(&self.x, most[0], [top, bottom], x_title.value);
         for tick in ticks(self.y.range, most[1]) {
             let y = self.y.place(tick);
             text += &format!(
@@ -203,6 +196,24 @@ impl Paper {
         let [x, y] = titles;
         drawing_in(&self.id, self.shape, self.height, what, &format!("{}{drawing}", self.grid(x, y)))
     }
+}
+
+/// Lines at the ticks of a horizontal axis, with their values below where there is room for them.
+pub(super) fn uprights(axis: &Axis, most: usize, [top, bottom]: [f64; 2], value: fn(f64) -> String) -> String {
+    let mut text = String::new();
+    let mut taken = f64::NEG_INFINITY;
+    for tick in ticks(axis.range, most) {
+        let (x, value) = (axis.place(tick), value(tick));
+        text += &format!("<path class=\"grid\" d=\"M{x:.1} {top}V{bottom}\" />");
+        // A digit is about as wide as this.
+        let half = 4.0 * value.chars().count() as f64;
+        if x - half > taken {
+            taken = x + half + 4.0;
+            let y = bottom + 18.0;
+            text += &format!("<text class=\"tick\" x=\"{x:.1}\" y=\"{y}\" text-anchor=\"middle\">{value}</text>");
+        }
+    }
+    text
 }
 
 /// An SVG element.
