@@ -135,7 +135,7 @@ pub struct LedgerArgs {
     /// The scene and what is changed of it.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Folder for ledger.csv and ledger.json [default: SCENE's name with .ledger].
+    /// Folder for ledger.html (plots, maps, pictures), ledger.csv and ledger.json [default: SCENE's name with .ledger].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// What to vary, one at a time, where it can matter to the scene [default: everything].

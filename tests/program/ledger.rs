@@ -62,6 +62,13 @@ fn the_table_fits_and_the_files_hold_all_of_it() {
     let csv = read("ledger.csv");
     let columns = csv.lines().next().expect("a header").split(',').count();
     assert!(csv.lines().all(|line| line.split(',').count() == columns), "{csv}");
+    let page = read("ledger.html");
+    assert!(page.starts_with("<!doctype html>") && page.ends_with("</html>\n"));
+    for (name, level) in levels(&ledger) {
+        let name = if level["option"].is_null() { "as asked" } else { &*name };
+        assert!(page.contains(&format!(">{name}<")), "no {name} in the page");
+    }
+    assert!(page.contains(&sentence[1..]) && outcome.stderr.contains("ledger.html"), "{}", outcome.stderr);
     let rungs: usize = levels(&ledger).iter().map(|(_, level)| level["rungs"].as_array().expect("rungs").len()).sum();
     assert_eq!(csv.lines().count(), 1 + rungs);
     assert_eq!(ledger["sentence"].as_str(), Some(sentence));

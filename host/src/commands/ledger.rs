@@ -9,16 +9,20 @@ use crate::error::{Error, ExitCode};
 use crate::film::Region;
 use crate::interrupt::Interrupt;
 use crate::ledger::levels::Choice;
+use crate::ledger::measure::seed;
+use crate::ledger::page::{Heading, html};
 use crate::ledger::{Order, open};
-use crate::output::write_file;
+use crate::output::{ToneMap, write_file};
 use crate::render::{Monitor, RenderSettings};
 
 pub(super) fn run(args: &LedgerArgs) -> Result<ExitCode, Error> {
     let scene = load(&args.scene)?;
     let folder = folder(args)?;
+    let film = &scene.film;
+    let whole = Region::whole(film.width, film.height);
     let settings = RenderSettings {
         samples: 0..1,
-        region: args.crop.unwrap_or(Region::whole(scene.film.width, scene.film.height)),
+        region: args.crop.unwrap_or(whole),
         threads: usize::from(args.threads),
         precision: args.scene.precision,
         accel: args.scene.accel,
@@ -38,14 +42,24 @@ pub(super) fn run(args: &LedgerArgs) -> Result<ExitCode, Error> {
 
     std::fs::create_dir_all(&folder).map_err(|error| Error::cannot_create(&folder, error))?;
     let json = ledger.to_json();
+    let heading = Heading {
+        scene: &args.scene.scene.to_string_lossy(),
+        size: args.scene.size,
+        whole,
+        has_max_bounces: args.scene.max_bounces.is_some(),
+        has_fresnel: args.scene.fresnel.is_some(),
+        tone: ToneMap::new(film.exposure, film.gamma)?,
+        seed: seed(&scene, 0),
+    };
     write_file(&folder.join("ledger.csv"), ledger.csv().as_bytes())?;
     write_file(&folder.join("ledger.json"), format!("{json:#}\n").as_bytes())?;
+    write_file(&folder.join("ledger.html"), html(&ledger, &heading).as_bytes())?;
     if args.scene.json {
         print(json)?;
     } else {
         print(format_args!("{}\n{}", scene.origin.file.display(), ledger.table()))?;
     }
-    tell(format_args!("wrote ledger.csv and ledger.json in {}", folder.display()));
+    tell(format_args!("wrote ledger.html (to look at), ledger.csv and ledger.json in {}", folder.display()));
     Ok(interrupt.received().unwrap_or(ExitCode::Done))
 }
 

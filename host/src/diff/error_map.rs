@@ -64,7 +64,7 @@ fn pixel_color(a: &[f32; 3], b: &[f32; 3]) -> [u8; 3] {
 }
 
 /// The color of a relative error that is not NaN.
-fn scale_color(error: f64) -> [u8; 3] {
+pub fn scale_color(error: f64) -> [u8; 3] {
     let position = libm::log10(error.clamp(LOWEST, HIGHEST) / LOWEST) / libm::log10(HIGHEST / LOWEST);
     let position = position * (SCALE.len() - 1) as f64;
     let below = (position as usize).min(SCALE.len() - 2);

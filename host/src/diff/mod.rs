@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use std::fmt;
 use std::str::FromStr;
 
-pub use error_map::{ErrorMap, HIGHEST, LOWEST, NON_FINITE_COLOR, error_map};
+pub use error_map::{ErrorMap, HIGHEST, LOWEST, NON_FINITE_COLOR, error_map, scale_color};
 pub use metrics::{Largest, NonFinite, REL_MSE_EPSILON, Statistics};
 
 /// relMSE as it is printed; the number is [`REL_MSE_EPSILON`].

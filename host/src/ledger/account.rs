@@ -89,11 +89,13 @@ impl Rung {
     }
 }
 
-/// What a run has of the target's metric; squared errors below zero count as none.
-pub(super) fn error_of(run: &Run, target: Target) -> f64 {
-    match target.metric {
-        Metric::Rmse => run.figures.mse.max(0.0).sqrt(),
-        _ => run.figures.rel_mse,
+impl Target {
+    /// What a run has of the target's metric; squared errors below zero count as none.
+    pub fn error(&self, run: &Run) -> f64 {
+        match self.metric {
+            Metric::Rmse => run.figures.mse.max(0.0).sqrt(),
+            _ => run.figures.rel_mse,
+        }
     }
 }
 
@@ -177,7 +179,7 @@ fn slope(measured: &Measured) -> Option<Estimate> {
 /// Where the line through a run's errors meets the target.
 fn to_target(measured: &Measured, target: Target) -> Option<[Ratio; 2]> {
     let reach = |x: &dyn Fn(&Rung, &Run) -> f64| {
-        let courses = courses(measured, x, |run| error_of(run, target));
+        let courses = courses(measured, x, |run| target.error(run));
         Ratio::of(courses.iter().map(|points| match Line::through(points) {
             Some(line) if line.slope < 0.0 => libm::exp((libm::log(target.value) - line.level) / line.slope),
             _ => f64::NAN,
@@ -187,7 +189,7 @@ fn to_target(measured: &Measured, target: Target) -> Option<[Ratio; 2]> {
 }
 
 fn foretold(measured: &Measured, target: Target) -> Option<Ratio> {
-    let courses = courses(measured, |rung, _| f64::from(rung.spp), |run| error_of(run, target));
+    let courses = courses(measured, |rung, _| f64::from(rung.spp), |run| target.error(run));
     let top = libm::log(f64::from(measured.rungs.last()?.spp));
     Ratio::of(courses.iter().map(|points| {
         let known: Vec<_> =

@@ -64,7 +64,8 @@ impl Figures {
             rel_mse: (relative - relative_noise) / count,
             largest: largest.sqrt(),
             percentiles,
-            worst_share: worst / squares,
+            // Without a difference nobody has a share in it.
+            worst_share: if squares > 0.0 { worst / squares } else { 0.0 },
             mean: mean / count,
             reference_mean: reference_mean / count,
         }

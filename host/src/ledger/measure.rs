@@ -1,5 +1,6 @@
 //! The measurement: independent runs of each level, in turn, so that a machine that slows down slows all of them.
 
+use super::crop::Crop;
 use super::figures::Figures;
 use super::levels::{Choice, LeftOut, Level};
 use super::reference::Reference;
@@ -8,6 +9,7 @@ use crate::assemble::{Accel, SetupReport};
 use crate::description::SceneDescription;
 use crate::error::Error;
 use crate::film::{Film, Region};
+use crate::picture::Picture;
 use crate::render::{Job, Monitor, Precision, RenderSettings, Tracer, with_tracer};
 
 /// One run of a level up to one number of samples.
@@ -47,6 +49,8 @@ pub struct Measured {
     pub spread: Spread,
     /// Hash of the first run's picture at the last rung.
     pub image_hash: u64,
+    /// A part of the first run's picture at each rung; none for a level that differs in time alone.
+    pub crops: Vec<Picture>,
 }
 
 /// How much to measure.
@@ -56,6 +60,13 @@ pub struct Effort {
     pub runs: u32,
     /// Seconds for all of them together.
     pub seconds: f64,
+    /// What is kept of the first run's pictures.
+    pub crop: Crop,
+}
+
+/// The seed of a run, from 0 on; all levels share it.
+pub fn seed(scene: &SceneDescription, run: u32) -> u64 {
+    scene.integrator.seed.wrapping_add(u64::from(run) + 1)
 }
 
 /// Measures all levels; fewer runs of each where the monitor says to stop.
@@ -131,6 +142,7 @@ struct Course<'a> {
     rungs: Vec<Rung>,
     spread: Spread,
     image_hash: u64,
+    crops: Vec<Picture>,
 }
 
 impl<'a> Course<'a> {
@@ -149,6 +161,7 @@ impl<'a> Course<'a> {
                     rungs: Vec::new(),
                     spread: Spread::new(level.settings.region),
                     image_hash: 0,
+                    crops: Vec::new(),
                 }),
                 (Err(error), Some(choice)) => {
                     left_out.push(LeftOut { choice, name: level.name.clone(), why: error.cause });
@@ -161,11 +174,12 @@ impl<'a> Course<'a> {
     }
 
     /// One run, from one sample per pixel up.
-    fn run(&mut self, seed: u64, reference: &Reference, monitor: &dyn Monitor) {
+    fn run(&mut self, seed: u64, reference: &Reference, crop: &Crop, monitor: &dyn Monitor) {
         let mut film = Film::new(self.level.settings.region);
         let (mut seconds, mut cpu_seconds, mut rays) = (0.0, 0.0, 0);
         let (mut spp, mut end) = (0, 1);
-        let mut runs = Vec::new();
+        let (mut runs, mut crops) = (Vec::new(), Vec::new());
+        let is_shown = self.rungs.is_empty() && !self.level.choice.is_some_and(Choice::keeps_the_picture);
         while end <= self.top {
             let before = cpu_clock();
             let traced = self.tracer.trace(&self.job, seed, spp..end, &mut film, monitor);
@@ -175,7 +189,11 @@ impl<'a> Course<'a> {
             seconds += traced.seconds;
             cpu_seconds += cpu_clock().zip(before).map_or(traced.seconds, |(after, before)| after - before);
             rays += traced.work.rays;
-            runs.push((end, Run { seconds, cpu_seconds, rays, figures: Figures::of(&film.picture(), reference) }));
+            let picture = film.picture();
+            runs.push((end, Run { seconds, cpu_seconds, rays, figures: Figures::of(&picture, reference) }));
+            if is_shown {
+                crops.push(crop.cut(&picture));
+            }
             (spp, end) = (end, 2 * end);
         }
         for (at, (spp, run)) in runs.into_iter().enumerate() {
@@ -187,14 +205,17 @@ impl<'a> Course<'a> {
         if self.image_hash == 0 {
             self.image_hash = film.image_hash();
         }
+        if is_shown {
+            self.crops = crops;
+        }
         self.spread.add(&film.picture());
     }
 
     fn measured(self) -> Option<Measured> {
-        let Self { level, tracer, job, rungs, spread, image_hash, .. } = self;
+        let Self { level, tracer, job, rungs, spread, image_hash, crops, .. } = self;
         let is_measured = !rungs.is_empty();
         let (setup, kernel) = (tracer.setup(), job.row.name);
-        is_measured.then(|| Measured { level: level.clone(), kernel, setup, rungs, spread, image_hash })
+        is_measured.then(|| Measured { level: level.clone(), kernel, setup, rungs, spread, image_hash, crops })
     }
 }
 
@@ -235,7 +256,7 @@ fn run_all(
             if monitor.stopped() {
                 return;
             }
-            course.run(scene.integrator.seed.wrapping_add(u64::from(run) + 1), reference, monitor);
+            course.run(seed(scene, run), reference, &effort.crop, monitor);
         }
     }
 }

@@ -3,19 +3,38 @@
 use std::fmt::Write as _;
 
 use super::Ledger;
-use super::account::{Account, Verdict, error_of};
-use super::estimate::Ratio;
+use super::account::{Account, Verdict};
+use super::estimate::{Estimate, Ratio};
 use super::reference::Source;
 use crate::commands::words::duration;
 use crate::diff::{Metric, REL_MSE_FORMULA, significant};
 
 /// Beyond so many times the samples that were taken, a prediction is not told.
 const TOO_FAR: f64 = 1e4;
+/// An interval whose ends are further apart by factors is not told.
+const TOO_VAGUE: f64 = 1e3;
+
+/// A level's row, as text; empty where a figure means nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Cells {
+    /// Samples per pixel.
+    pub spp: String,
+    /// Seconds that a run takes.
+    pub seconds: String,
+    /// The target's metric.
+    pub error: String,
+    /// When the target is reached.
+    pub time: String,
+    /// Over that of the first row.
+    pub efficiency: String,
+    /// Of log RMSE over log spp.
+    pub slope: String,
+}
 
 impl Ledger {
     /// The table, with what it was made of above and the answer below.
     pub fn table(&self) -> String {
-        let mut text = self.heading();
+        let mut text = self.how().join("\n") + "\n\n";
         // Writing to a string cannot fail.
         let time = format!("time to {}", self.target.value);
         let _ = writeln!(
@@ -38,7 +57,8 @@ impl Ledger {
         text
     }
 
-    fn heading(&self) -> String {
+    /// How it was measured: a line of what and how often, and one of the reference.
+    pub fn how(&self) -> [String; 2] {
         let region = self.region;
         let of = if self.is_part { "the middle " } else { "" };
         let runs = self.accounts.first().map_or(0, |account| account.top().runs.len());
@@ -51,41 +71,47 @@ impl Ledger {
                 format!("{}{noise}", picture.display())
             }
         };
-        format!(
-            "{of}{} x {} pixels, {runs} independent runs of each, {} threads, {}\nreference: {reference}\n\n",
+        let of_what = format!(
+            "{of}{} x {} pixels, {runs} independent runs of each, {} threads, {}",
             region.width(),
             region.height(),
             self.threads,
             duration(self.seconds),
-        )
+        );
+        [of_what, format!("reference: {reference}")]
     }
 
     fn row(&self, account: &Account) -> String {
+        let Cells { spp, seconds, error, time, efficiency, slope } = self.cells(account);
+        let bias = if account.is_biased() { "*" } else { "" };
+        let name = account.name();
+        format!("{name:<25} {spp:>6} {seconds:>8}  {error:<13} {time:<23} {efficiency:<7} {slope}{bias}")
+    }
+
+    /// A level's row.
+    pub fn cells(&self, account: &Account) -> Cells {
         let (rung, target) = (account.top(), self.target);
-        let error = rung.estimate(|run| error_of(run, target));
+        let error = rung.estimate(|run| target.error(run));
         let seconds = rung.estimate(|run| run.seconds).value;
-        let share = 100.0 * error.half / error.value;
-        let error = match account.is_same_picture && !account.is_baseline() {
+        let is_same = account.is_same_picture && !account.is_baseline();
+        let error = match is_same {
             true => "same picture".to_owned(),
-            false if error.value > 0.0 => format!("{} +-{share:.0} %", figure(error.value)),
+            false if error.value > 0.0 => format!("{}{}", brief(error.value), give_or_take(&error)),
             // The reference is off by as much.
             false => "in the noise".to_owned(),
         };
-        let time = if account.is_same_picture && !account.is_baseline() { String::new() } else { self.time(account) };
+        let time = if is_same { String::new() } else { self.time(account) };
         let efficiency = match account.efficiency {
             _ if account.is_baseline() => "1".to_owned(),
             Some(ratio) => factor(&ratio),
             None => "?".to_owned(),
         };
         let slope = match account.slope {
-            _ if account.is_same_picture && !account.is_baseline() => String::new(),
+            _ if is_same => String::new(),
             Some(slope) => format!("{:.2}", slope.value),
             None => "?".to_owned(),
         };
-        let bias = if account.is_biased() { "*" } else { "" };
-        let name = account.name();
-        let (spp, seconds) = (rung.spp, duration(seconds));
-        format!("{name:<25} {spp:>6} {seconds:>8}  {error:<13} {time:<23} {efficiency:<7} {slope}{bias}")
+        Cells { spp: rung.spp.to_string(), seconds: duration(seconds), error, time, efficiency, slope }
     }
 
     /// When a level reaches the target.
@@ -93,10 +119,10 @@ impl Ledger {
         match account.to_target {
             Some([seconds, spp]) if spp.value < TOO_FAR * f64::from(account.top().spp) => {
                 let [low, high] = seconds.interval;
-                if high < 1e3 * low {
-                    format!("{} ({}..{})", figure(seconds.value), figure(low), figure(high))
+                if high < TOO_VAGUE * low {
+                    format!("{} ({}..{})", brief(seconds.value), brief(low), brief(high))
                 } else {
-                    format!("about {}", figure(seconds.value))
+                    format!("about {}", brief(seconds.value))
                 }
             }
             Some(_) => "far away".to_owned(),
@@ -105,7 +131,7 @@ impl Ledger {
     }
 
     /// What is to be known beside the table.
-    fn notes(&self) -> Vec<String> {
+    pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![format!(
             "time: seconds of tracing to {}, with their 95 % interval. worth: 1 / (variance x processor time)\nover that of the first row, or speed where the picture is the same; ~ no difference shown",
             self.target
@@ -115,12 +141,16 @@ impl Ledger {
         }
         for account in self.accounts.iter().filter(|account| account.is_biased()) {
             let Some(bias) = account.bias else { continue };
+            let mean = if bias.mean.value.is_finite() {
+                format!("mean {:+.2} % (+-{:.2}), ", 100.0 * bias.mean.value, 100.0 * bias.mean.half)
+            } else {
+                // The reference is black.
+                String::new()
+            };
             notes.push(format!(
-                "* {} is biased: mean {:+.2} % (+-{:.2}); no samples take away {} of RMSE",
+                "* {} is biased: {mean}no samples take away {} of RMSE",
                 account.name(),
-                100.0 * bias.mean.value,
-                100.0 * bias.mean.half,
-                figure(bias.square.value.max(0.0).sqrt()),
+                brief(bias.square.value.max(0.0).sqrt()),
             ));
         }
         if let Some(baseline) = self.accounts.first() {
@@ -134,8 +164,9 @@ impl Ledger {
             }
             if let Some(foretold) = baseline.foretold {
                 let [low, high] = foretold.interval;
+                let interval = if high.is_finite() { format!(" ({low:.2}..{high:.2})") } else { String::new() };
                 notes.push(format!(
-                    "what a quarter of the samples foretold for the last row's error, over what came: {:.2} ({low:.2}..{high:.2})",
+                    "what a quarter of the samples foretold for the last row's error, over what came: {:.2}{interval}",
                     foretold.value
                 ));
             }
@@ -153,7 +184,8 @@ impl Ledger {
     /// The answer in a sentence.
     pub fn sentence(&self) -> String {
         let Some(baseline) = self.accounts.first() else { return "nothing was measured".to_owned() };
-        let Some([seconds, _]) = baseline.to_target else {
+        let most = TOO_FAR * f64::from(baseline.top().spp);
+        let Some([seconds, _]) = baseline.to_target.filter(|[_, spp]| spp.value < most) else {
             return format!(
                 "as asked, the picture's {} is not seen to reach {}",
                 self.target.metric, self.target.value
@@ -180,21 +212,32 @@ impl Ledger {
 /// Seconds with their interval, for a sentence.
 fn within(seconds: &Ratio) -> String {
     let [low, high] = seconds.interval;
-    format!("{} ({} to {})", duration(seconds.value), duration(low), duration(high))
+    if high < TOO_VAGUE * low {
+        format!("{} ({} to {})", duration(seconds.value), duration(low), duration(high))
+    } else {
+        format!("about {}", duration(seconds.value))
+    }
+}
+
+/// Half of an interval as a share of the middle.
+pub fn give_or_take(estimate: &Estimate) -> String {
+    let share = 100.0 * estimate.half / estimate.value.abs();
+    if share.is_finite() { format!(" +-{share:.0} %") } else { String::new() }
 }
 
 /// A factor and whether it is one.
-fn factor(ratio: &Ratio) -> String {
+pub fn factor(ratio: &Ratio) -> String {
     let digits = if ratio.value < 9.95 { 2 } else { 0 };
     let value =
         if ratio.value < 0.00995 { format!("{:.1e}", ratio.value) } else { format!("{:.digits$}", ratio.value) };
     if ratio.spans(1.0) { format!("~{value}") } else { value }
 }
 
-/// In few digits, which say enough of an estimate.
-pub(super) fn figure(value: f64) -> String {
+/// In few digits, which say enough of an estimate; `?` for what is no number.
+pub fn brief(value: f64) -> String {
     match value.abs() {
         1e-3..1e5 | 0.0 => significant(value, 3),
-        _ => format!("{value:.1e}"),
+        _ if value.is_finite() => format!("{value:.1e}"),
+        _ => "?".to_owned(),
     }
 }

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 pub use atomic::{check_writable, write_file};
 pub use exr::{ATTRIBUTE_PREFIX, write_exr};
-pub use png::{write_png, write_png_rgb8};
+pub use png::{png_bytes, png_bytes_indexed, write_png, write_png_rgb8};
 pub use tone::{ToneMap, srgb_decode, srgb_encode};
 
 /// What a picture file's extension asks for.

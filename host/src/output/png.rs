@@ -5,7 +5,7 @@ use super::check_size;
 use super::tone::ToneMap;
 use crate::error::Error;
 use crate::picture::Picture;
-use ::png::{BitDepth, ColorType, Encoder, EncodingError, ScaledFloat, SrgbRenderingIntent};
+use ::png::{BitDepth, ColorType, Encoder, EncodingError, Filter, ScaledFloat, SrgbRenderingIntent};
 use std::path::Path;
 
 /// How the codes of a file are to be read.
@@ -43,6 +43,30 @@ pub fn write_png_rgb8(
     let bytes = encode(width, height, pixels.as_flattened(), &Curve::Srgb, provenance)
         .map_err(|error| Error::cannot_write(path, error))?;
     write_file(path, &bytes)
+}
+
+/// The bytes of the file that [`write_png`] writes, without provenance; `None` where the picture's pixels do not match its
+/// size.
+pub fn png_bytes(picture: &Picture, tone: &ToneMap) -> Option<Vec<u8>> {
+    let curve = tone.gamma.map_or(Curve::Srgb, Curve::Gamma);
+    encode(picture.width, picture.height, &tone.encode_picture(picture), &curve, &[]).ok()
+}
+
+/// The bytes of a PNG of at most 256 sRGB codes, each pixel given as an index; `None` where the pixels do not match the
+/// size, or there are too many codes.
+pub fn png_bytes_indexed(width: u32, height: u32, codes: &[[u8; 3]], pixels: &[u8]) -> Option<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, width, height);
+    encoder.set_color(ColorType::Indexed);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_palette(codes.as_flattened().to_vec());
+    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    // Neighbouring indices are no neighbouring numbers.
+    encoder.set_filter(Filter::NoFilter);
+    let mut writer = encoder.write_header().ok()?;
+    writer.write_image_data(pixels).ok()?;
+    writer.finish().ok()?;
+    Some(bytes)
 }
 
 fn encode(
@@ -126,6 +150,24 @@ mod tests {
         assert!(info.srgb.is_none());
         assert_eq!(info.gama_chunk.unwrap().into_scaled(), 45_455);
         assert_eq!(codes, [255, 186, 0, 136, 0, 255]);
+    }
+
+    #[test]
+    fn bytes_in_memory_are_those_of_the_file() {
+        let scratch = Scratch::new();
+        let path = scratch.path("a.png");
+        write_png(&path, &small(), &ToneMap::default(), &[]).unwrap();
+        assert_eq!(png_bytes(&small(), &ToneMap::default()), Some(std::fs::read(&path).unwrap()));
+        let bytes = png_bytes_indexed(3, 1, &[[1, 2, 3], [4, 5, 6]], &[1, 0, 1]).unwrap();
+        std::fs::write(&path, bytes).unwrap();
+        let mut decoder = ::png::Decoder::new(Cursor::new(std::fs::read(&path).unwrap()));
+        decoder.set_transformations(::png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().unwrap();
+        let mut codes = [0; 9];
+        reader.next_frame(&mut codes).unwrap();
+        assert_eq!(codes, [4, 5, 6, 1, 2, 3, 4, 5, 6]);
+        assert_eq!(png_bytes_indexed(3, 1, &[[0; 3]], &[0]), None);
+        assert_eq!(png_bytes(&Picture { width: 0, height: 0, pixels: vec![] }, &ToneMap::default()), None);
     }
 
     #[test]
