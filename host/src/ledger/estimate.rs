@@ -22,7 +22,7 @@ impl Estimate {
         let half = if values.len() < 2 {
             f64::INFINITY
         } else {
-            student(count - 1.0) * (squares / (count - 1.0) / count).sqrt()
+            student(count - 1.0, 0.95) * (squares / (count - 1.0) / count).sqrt()
         };
         Self { value: mean, half }
     }
@@ -71,9 +71,9 @@ impl Ratio {
     }
 }
 
-/// Student's factor for a 95 % interval.
-fn student(freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.975))
+/// Student's factor for an interval of some confidence.
+pub(super) fn student(freedom: f64, confidence: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.5 + 0.5 * confidence))
 }
 
 /// A straight line by least squares: `y = level + slope x`.

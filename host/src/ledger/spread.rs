@@ -1,7 +1,7 @@
 //! What independent runs of one level say pixel by pixel: their mean, how far they scatter, and whether that explains how
 //! far the mean is from the reference.
 
-use super::estimate::Estimate;
+use super::estimate::{Estimate, student};
 use super::reference::Reference;
 use crate::film::Region;
 use crate::picture::Picture;
@@ -23,14 +23,16 @@ pub struct Bias {
     pub square: Estimate,
     /// The mean of the pictures over the mean of the reference, less 1; the interval is over runs.
     pub mean: Estimate,
+    /// Beyond this the mean is off for sure: half its 99.9 % interval.
+    pub certain: f64,
 }
 
 impl Bias {
-    /// Whether it shows: more often than once in a thousand times by chance alone it does not.
+    /// Whether it shows: beyond what chance does once in a thousand times. (Of few pixels that hold most of the error, five
+    /// standard errors are not too many; runs are few, which Student's factor knows.)
     pub fn shows(&self) -> bool {
-        // An interval of 95 % is 1.96 standard errors; one in a thousand is beyond 3.3, for two figures.
-        let beyond = |estimate: &Estimate| estimate.value > 1.7 * estimate.half;
-        beyond(&self.square) || beyond(&Estimate { value: self.mean.value.abs(), ..self.mean })
+        let by_pixels = self.square.value > 2.5 * self.square.half;
+        by_pixels || self.mean.value.abs() > self.certain
     }
 }
 
@@ -102,7 +104,10 @@ impl Spread {
         let mean = Estimate::of(means.into_iter().map(|mean| mean / truth - 1.0));
         // What the reference's mean may be off by, two standard errors of it, with the rest.
         let half = libm::hypot(mean.half, 1.96 * noise / truth);
-        Bias { square: Estimate::of(excess.filter(|excess| excess.is_finite())), mean: Estimate { half, ..mean } }
+        let freedom = f64::from(self.count) - 1.0;
+        let certain = libm::hypot(mean.half * student(freedom, 0.999) / student(freedom, 0.95), 3.3 * noise / truth);
+        let square = Estimate::of(excess.filter(|excess| excess.is_finite()));
+        Bias { square, mean: Estimate { half, ..mean }, certain }
     }
 }
 
