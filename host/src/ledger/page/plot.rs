@@ -116,7 +116,7 @@ pub(super) struct Paper {
 impl Paper {
     /// Paper for so many labels. `id` is the plot's alone.
     pub(super) fn new(id: &str, shape: Shape, ranges: [[f64; 2]; 2], labels: usize) -> Self {
-        let column = if shape.is_narrow { 40.0 } else { 218.0 };
+        let column = if shape.is_narrow { 40.0 } else { 250.0 };
         let height = shape.height.max(80.0 + LINE * labels as f64);
         let x = Axis { range: ranges[0], ends: [56.0, shape.width - column] };
         let y = Axis { range: ranges[1], ends: [height - 48.0, 30.0] };
