@@ -12,17 +12,17 @@ use ocellus::film::{Film, Region};
 use ocellus::ledger::figures::Figures;
 use ocellus::ledger::reference::Reference;
 use ocellus::load::load_scene;
-use ocellus::promise::{FIRST_LOOK, Outlook, Target, next_look};
+use ocellus::promise::{FIRST_LOOK, Outlook, Target, foreseen, next_look};
 use ocellus::render::{RenderSettings, Tracer, Unmonitored, with_tracer};
 
-const TARGETS: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
-const SEEDS: u64 = 6;
+const TARGETS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
+const SEEDS: u64 = 8;
 /// Pixels across, and about as many down.
-const WIDTH: u32 = 32;
-/// Trials that need more samples are left out, and counted.
+const WIDTH: u32 = 24;
+/// Trials that need more samples, or no more than the first look has, are left out, and counted.
 const MOST_SAMPLES: u32 = 2048;
 /// Samples of a reference, times those of the longest trial.
-const REFERENCE: u32 = 4;
+const REFERENCE: u32 = 8;
 
 /// What came of one picture.
 struct Trial {
@@ -151,19 +151,22 @@ fn looks(
     }
 }
 
-/// The trial that stops at `target`; `None` if it does not.
+/// The trial that stops at `target`; `None` if it does not, or at the first look.
 fn trial(looks: &[(u32, Outlook, f64)], target: f64) -> Option<Trial> {
     let stop = looks.iter().position(|(_, outlook, _)| outlook.most <= target)?;
     let (took, _, error) = looks[stop];
+    // What the first look has is no credit to the promise.
+    if stop == 0 {
+        return None;
+    }
     // The look after the last one that was above, as far as looks go.
     let needed = looks
         .iter()
         .rposition(|(.., error)| *error > target)
         .map_or(FIRST_LOOK, |last| looks.get(last + 1).map_or(MOST_SAMPLES, |look| look.0));
-    let tenth = looks[..=stop].iter().filter(|(spp, ..)| 10 * spp <= took).next_back();
-    let foreseen = tenth.map(|(spp, outlook, _)| {
-        let target = Target { metric: Metric::RelMse, value: target };
-        f64::from(*spp) * outlook.shortfall(target) / f64::from(took)
-    });
+    let known: Vec<_> =
+        looks.iter().filter(|(spp, ..)| 10 * spp <= took).map(|(spp, outlook, _)| (*spp, *outlook)).collect();
+    let target_of = Target { metric: Metric::RelMse, value: target };
+    let foreseen = foreseen(&known, target_of).map(|spp| spp / f64::from(took));
     Some(Trial { kept: error <= target, excess: f64::from(took) / f64::from(needed), foreseen })
 }

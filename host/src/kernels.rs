@@ -147,15 +147,15 @@ table! {
     DirectSpheres "direct-spheres" "Diffuse, mirror and glass spheres, point lights, direct light." =
         SPHERES | MIRROR | GLASS | POINT_LIGHT | FILTER;
     PointLitSpheres "point-lit-spheres" "Diffuse, mirror and glass spheres, point lights." =
-        SPHERES | MIRROR | GLASS | POINT_LIGHT | INDIRECT | FILTER;
+        SPHERES | MIRROR | GLASS | POINT_LIGHT | INDIRECT | FILTER | SOBOL;
     SphereLitSpheres "sphere-lit-spheres" "Diffuse, mirror and glass spheres, spherical lights." =
-        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER;
+        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | SOBOL;
     LensSpheres "lens-spheres" "Diffuse, mirror and glass spheres, spherical lights, through a lens." =
-        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | LENS;
+        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | LENS | SOBOL;
     SphereLitMatte "sphere-lit-matte" "Diffuse triangles and spheres, spherical lights." =
-        SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER;
+        SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER | SOBOL;
     PointLitTextured "point-lit-textured" "Textured and smooth diffuse triangles and spheres, point lights." =
-        SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | POINT_LIGHT | INDIRECT | FILTER;
+        SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | POINT_LIGHT | INDIRECT | FILTER | SOBOL;
 }
 
 macro_rules! alternatives {

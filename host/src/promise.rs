@@ -9,6 +9,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::diff::{Metric, REL_MSE_EPSILON};
 use crate::film::Film;
+use crate::ledger::estimate::Line;
 use ocellus_kernel::Pixel;
 
 /// An error to reach.
@@ -87,13 +88,19 @@ impl Outlook {
         let of_metric = |square: f64| if metric == Metric::Rmse { square.sqrt() } else { square };
         Some(Self { expected: of_metric(mean), most: of_metric(most) })
     }
+}
 
-    /// How many times as many samples the target needs, at least about: the square of an error falls as their number
-    /// grows.
-    pub fn shortfall(&self, target: Target) -> f64 {
-        let ratio = self.most / target.value;
-        if target.metric == Metric::Rmse { ratio * ratio } else { ratio }
-    }
+/// At how many samples per pixel the target will be met, by the looks so far: along the line through those of the last
+/// two doublings. `None` before the first look.
+pub fn foreseen(looks: &[(u32, Outlook)], target: Target) -> Option<f64> {
+    let (last, outlook) = *looks.last()?;
+    let log = |spp: u32| libm::log(f64::from(spp));
+    let recent = looks.iter().filter(|(spp, _)| 4 * u64::from(*spp) >= u64::from(last));
+    let points: Vec<_> = recent.map(|(spp, outlook)| [log(*spp), libm::log(outlook.most)]).collect();
+    // The square of an error falls as the number of samples grows; what few looks say beyond that is chance.
+    let usual = if target.metric == Metric::Rmse { -0.5 } else { -1.0 };
+    let slope = Line::through(&points).map_or(usual, |line| line.slope.clamp(1.5 * usual, 0.75 * usual));
+    Some(libm::exp(log(last) + (libm::log(target.value) - libm::log(outlook.most)) / slope))
 }
 
 /// The squared error to expect of a pixel's mean.
@@ -167,10 +174,27 @@ mod tests {
         let mut spp = 0;
         for _ in 0..80 {
             let next = next_look(spp);
-            assert!(next > spp && next % 2 == 0 && (next - spp) % 2 == 0);
+            assert!(next > spp && next.is_multiple_of(2) && (next - spp).is_multiple_of(2));
             assert!(spp < FIRST_LOOK || f64::from(next) <= 1.17 * f64::from(spp) + 2.0);
             spp = next;
         }
+    }
+
+    #[test]
+    fn what_falls_evenly_is_foreseen() {
+        let target = Target { metric: Metric::RelMse, value: 0.01 };
+        let at = |spp: u32, power: f64| {
+            let most = 0.5 * libm::pow(f64::from(spp) / 16.0, power);
+            (spp, Outlook { expected: 0.9 * most, most })
+        };
+        for (power, expected) in [(-1.0, 800.0), (-1.2, 16.0 * libm::pow(50.0, 1.0 / 1.2))] {
+            let looks: Vec<_> = [16, 20, 30, 40, 60].map(|spp| at(spp, power)).into();
+            let found = foreseen(&looks, target).expect("there were looks");
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        }
+        // One look has no slope of its own, and none gives nothing.
+        assert!((foreseen(&[at(16, 0.0)], target).expect("a look") - 800.0).abs() < 1e-9);
+        assert_eq!(foreseen(&[], target), None);
     }
 
     /// Made-up pictures with errors that are known: even noise, and noise that few pixels have.

@@ -6,7 +6,7 @@ use crate::commands::words::duration;
 use crate::description::SceneDescription;
 use crate::error::Error;
 use crate::film::Film;
-use crate::promise::{FIRST_LOOK, Outlook, Target, next_look};
+use crate::promise::{FIRST_LOOK, Outlook, Target, foreseen, next_look};
 use crate::render::{Job, Monitor, RenderSettings, Rendering, Tracer, with_tracer};
 use ocellus_kernel::Work;
 
@@ -30,13 +30,8 @@ pub struct Promised {
     pub spp: u32,
     /// What its error is; `None` with too few samples or without a target.
     pub outlook: Option<Outlook>,
-}
-
-impl Promised {
-    /// Whether the error is promised to be below the target.
-    pub fn keeps(&self, target: Target) -> bool {
-        self.outlook.is_some_and(|outlook| outlook.most <= target.value)
-    }
+    /// At how many samples per pixel the target will be met, or was.
+    pub foreseen: Option<f64>,
 }
 
 /// Renders `description` until it is enough. What is decided from is sums at numbers of samples that are fixed before,
@@ -65,9 +60,10 @@ pub fn render_until(
             work: Work::default(),
             start: Instant::now(),
             interrupted: false,
+            looks: Vec::new(),
         };
-        let outlook = course.run(until, monitor);
-        Ok(course.finish(outlook))
+        course.run(until, monitor);
+        Ok(course.finish(until))
     })?
 }
 
@@ -82,11 +78,11 @@ struct Course<'a> {
     work: Work,
     start: Instant,
     interrupted: bool,
+    looks: Vec<(u32, Outlook)>,
 }
 
 impl Course<'_> {
-    fn run(&mut self, until: &Until, monitor: &dyn Monitor) -> Option<Outlook> {
-        let mut outlook = None;
+    fn run(&mut self, until: &Until, monitor: &dyn Monitor) {
         while let Some(step) = self.step(until) {
             for (half, start) in [(0, self.spp), (1, self.spp + step / 2)] {
                 let film = &mut self.halves[half];
@@ -94,19 +90,20 @@ impl Course<'_> {
                 self.work = self.work + traced.work;
                 self.interrupted |= traced.interrupted;
                 if self.interrupted {
-                    return None;
+                    return;
                 }
             }
             self.spp += step;
-            if let Some(target) = until.target {
-                outlook = Outlook::of(&self.halves, target.metric);
-                if outlook.is_some_and(|outlook| outlook.most <= target.value) {
-                    break;
+            if let Some(target) = until.target
+                && let Some(outlook) = Outlook::of(&self.halves, target.metric)
+            {
+                self.looks.push((self.spp, outlook));
+                if outlook.most <= target.value {
+                    return;
                 }
             }
-            monitor.tell(&self.words(until, outlook));
+            monitor.tell(&self.words(until));
         }
-        outlook
     }
 
     /// How many samples to add, an even number; `None` where it is enough.
@@ -124,19 +121,25 @@ impl Course<'_> {
         (step >= 2).then_some(step & !1)
     }
 
+    /// At how many samples the target will be met.
+    fn foreseen(&self, until: &Until) -> Option<f64> {
+        until.target.and_then(|target| foreseen(&self.looks, target))
+    }
+
     /// How far it is, and how long it may still take.
-    fn words(&self, until: &Until, outlook: Option<Outlook>) -> String {
+    fn words(&self, until: &Until) -> String {
         let gone = self.start.elapsed().as_secs_f64();
         let left = |seconds: f64| format!(", about {} left", duration(seconds.max(0.0)));
-        let by_target = until.target.zip(outlook).map(|(target, outlook)| {
-            let left = left(gone * (outlook.shortfall(target) - 1.0));
-            format!(", {} {:.3e} at most{left}", target.metric, outlook.most)
+        let by_target = self.foreseen(until).zip(self.looks.last()).map(|(foreseen, (_, outlook))| {
+            let left = left(gone * (foreseen / f64::from(self.spp) - 1.0));
+            format!(", error {:.3e} at most{left}", outlook.most)
         });
         let by_time = until.seconds.map(|seconds| left(seconds - gone));
         format!("{} spp{}", self.spp, by_target.or(by_time).unwrap_or_default())
     }
 
-    fn finish(self, outlook: Option<Outlook>) -> Promised {
+    fn finish(self, until: &Until) -> Promised {
+        let (outlook, foreseen) = (self.looks.last().map(|(_, outlook)| *outlook), self.foreseen(until));
         let seconds = self.start.elapsed().as_secs_f64();
         let [mut film, other] = self.halves;
         film.add(&other);
@@ -151,6 +154,6 @@ impl Course<'_> {
             trace_seconds: seconds,
             interrupted: self.interrupted,
         };
-        Promised { rendering, spp: self.spp, outlook }
+        Promised { rendering, spp: self.spp, outlook, foreseen }
     }
 }

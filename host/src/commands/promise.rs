@@ -21,6 +21,7 @@ pub(super) fn tell_of(
     settings: &RenderSettings,
     rendering: &Rendering,
     outlook: Option<Outlook>,
+    foreseen: Option<f64>,
     report: &mut Value,
 ) -> bool {
     let spp = settings.samples.end;
@@ -40,8 +41,8 @@ pub(super) fn tell_of(
             if met {
                 words
             } else {
-                let left = rendering.trace_seconds * (outlook.shortfall(target) - 1.0);
-                format!("{words}; {} would take about {} more", target.value, duration(left))
+                let left = foreseen.unwrap_or(f64::NAN) / f64::from(spp) - 1.0;
+                format!("{words}; {} would take about {} more", target.value, duration(left * rendering.trace_seconds))
             }
         }
     });

@@ -17,9 +17,8 @@ use crate::film::Region;
 use crate::interrupt::Interrupt;
 use crate::output::{ToneMap, check_output, check_replaces_nothing, write_picture};
 use crate::progress::Progress;
-use crate::promise::Outlook;
 use crate::render::{RenderSettings, Rendering, render};
-use crate::until::{Until, render_until};
+use crate::until::{Promised, Until, render_until};
 
 pub(super) fn run(args: &RenderArgs) -> Result<ExitCode, Error> {
     let start = Instant::now();
@@ -34,11 +33,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<ExitCode, Error> {
     }
     let mut settings = settings(args, &scene);
     let interrupt = Interrupt::listen();
-    let (rendering, outlook) = trace(args, &scene, &mut settings, &interrupt)?;
+    let Promised { rendering, outlook, foreseen, .. } = trace(args, &scene, &mut settings, &interrupt)?;
 
     let mut report = report(args, &scene, &settings, &rendering, load_seconds);
     summarize(&rendering, &settings);
-    let met = promise::tell_of(args, &settings, &rendering, outlook, &mut report);
+    let met = promise::tell_of(args, &settings, &rendering, outlook, foreseen, &mut report);
     let picture = rendering.film.picture();
     let mut written = Ok(());
     for output in &outputs {
@@ -68,13 +67,13 @@ fn trace(
     scene: &SceneDescription,
     settings: &mut RenderSettings,
     interrupt: &Interrupt,
-) -> Result<(Rendering, Option<Outlook>), Error> {
+) -> Result<Promised, Error> {
     if args.target_error.is_none() && args.time.is_none() {
         let pixels = u64::from(settings.region.width()) * u64::from(settings.region.height());
         let progress = Progress::new(pixels * settings.samples.len() as u64, interrupt.clone());
         let rendering = render(scene, settings, &progress);
         progress.finish();
-        return Ok((rendering?, None));
+        return Ok(Promised { rendering: rendering?, spp: settings.samples.end, outlook: None, foreseen: None });
     }
     let until = Until { target: args.target_error, seconds: args.time, spp: args.spp.unwrap_or(u32::MAX) };
     let progress = Progress::open_ended(interrupt.clone());
@@ -82,7 +81,7 @@ fn trace(
     progress.finish();
     let promised = promised?;
     settings.samples = 0..promised.spp;
-    Ok((promised.rendering, promised.outlook))
+    Ok(promised)
 }
 
 /// The files to write: those named, or the scene's name as a PNG in the current folder.
