@@ -147,15 +147,15 @@ table! {
     DirectSpheres "direct-spheres" "Diffuse, mirror and glass spheres, point lights, direct light." =
         SPHERES | MIRROR | GLASS | POINT_LIGHT | FILTER;
     PointLitSpheres "point-lit-spheres" "Diffuse, mirror and glass spheres, point lights." =
-        SPHERES | MIRROR | GLASS | POINT_LIGHT | INDIRECT | FILTER | SOBOL;
+        SPHERES | MIRROR | GLASS | POINT_LIGHT | INDIRECT | FILTER;
     SphereLitSpheres "sphere-lit-spheres" "Diffuse, mirror and glass spheres, spherical lights." =
-        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | SOBOL;
+        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER;
     LensSpheres "lens-spheres" "Diffuse, mirror and glass spheres, spherical lights, through a lens." =
-        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | LENS | SOBOL;
+        SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | LENS;
     SphereLitMatte "sphere-lit-matte" "Diffuse triangles and spheres, spherical lights." =
-        SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER | SOBOL;
+        SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER;
     PointLitTextured "point-lit-textured" "Textured and smooth diffuse triangles and spheres, point lights." =
-        SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | POINT_LIGHT | INDIRECT | FILTER | SOBOL;
+        SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | POINT_LIGHT | INDIRECT | FILTER;
 }
 
 macro_rules! alternatives {
