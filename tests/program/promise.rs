@@ -5,7 +5,7 @@ use crate::run::Folder;
 #[test]
 fn a_target_is_promised_kept_and_rendered_again() {
     let folder = Folder::with_ball();
-    let report = folder.render(&["ball.toml", "--target-error", "0.02", "--audit", "-o", "a.exr"]);
+    let report = folder.render(&["ball.toml", "--size", "24x24", "--target-error", "0.02", "--audit", "-o", "a.exr"]);
     let spp = report["spp"].as_u64().expect("samples per pixel");
     assert!(spp >= 16, "{report}");
     assert_eq!(report["target"]["met"], true, "{report}");
@@ -15,11 +15,12 @@ fn a_target_is_promised_kept_and_rendered_again() {
     assert_eq!(errors, 9);
     assert!(report["audit"]["kept"].as_u64().is_some_and(|kept| kept >= 8), "{report}");
 
-    let again = folder.render(&["ball.toml", "--spp", &spp.to_string(), "-o", "b.exr"]);
+    let again = folder.render(&["ball.toml", "--size", "24x24", "--spp", &spp.to_string(), "-o", "b.exr"]);
     assert_eq!(again["image_hash"], report["image_hash"]);
     assert_eq!(folder.picture("a.exr"), folder.picture("b.exr"));
     // Threads change the time of looks, and no look.
-    let single = folder.render(&["ball.toml", "--target-error", "0.02", "--threads", "1", "-o", "c.exr"]);
+    let single =
+        folder.render(&["ball.toml", "--size", "24x24", "--target-error", "0.02", "--threads", "1", "-o", "c.exr"]);
     assert_eq!((&single["spp"], &single["image_hash"]), (&report["spp"], &report["image_hash"]));
 }
 

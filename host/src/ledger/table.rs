@@ -133,7 +133,7 @@ impl Ledger {
     /// What is to be known beside the table.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![format!(
-            "time: seconds of tracing to {}, with their 95 % interval. worth: 1 / (variance x processor time)\nover that of the first row, or speed where the picture is the same; ~ no difference shown",
+            "time: seconds of tracing to {}, with their 95 % interval. worth: 1 / (variance x processor\ntime) over that of the first row, or speed where the picture is the same; ~ no difference shown",
             self.target
         )];
         if self.target.metric == Metric::RelMse {
