@@ -138,7 +138,8 @@ pub struct LedgerArgs {
     /// Folder for ledger.html (plots, maps, pictures), ledger.csv and ledger.json [default: SCENE's name with .ledger].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// What to vary, one at a time, where it can matter to the scene [default: everything].
+    /// What to vary, one at a time, where it can matter to the scene [default: all but triangle-test, slab-test,
+    /// sphere-test and isa].
     #[arg(long, value_name = "OPTIONS", value_enum, value_delimiter = ',')]
     pub vary: Vec<Choice>,
     /// Independent runs of each level; intervals come from how they differ.

@@ -31,7 +31,7 @@ pub(super) fn run(args: &LedgerArgs) -> Result<ExitCode, Error> {
         isa: args.scene.isa,
     };
     let order = Order {
-        vary: if args.vary.is_empty() { Choice::ALL.to_vec() } else { args.vary.clone() },
+        vary: if args.vary.is_empty() { Choice::USUAL.to_vec() } else { args.vary.clone() },
         runs: args.runs,
         seconds: args.budget,
         target: args.target,

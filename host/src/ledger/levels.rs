@@ -62,6 +62,19 @@ impl Choice {
         Self::Isa,
     ];
 
+    /// What is varied where nothing is named: what is most often asked.
+    pub const USUAL: [Self; 9] = [
+        Self::Sampler,
+        Self::LightSampling,
+        Self::Fresnel,
+        Self::MaxBounces,
+        Self::Roulette,
+        Self::Precision,
+        Self::RayOffset,
+        Self::Accel,
+        Self::Effects,
+    ];
+
     /// Whether its levels give the same picture, bit for bit, so that only the time differs.
     pub fn keeps_the_picture(self) -> bool {
         matches!(self, Self::Accel | Self::Effects | Self::Isa)

@@ -79,7 +79,7 @@ pub struct Ledger {
 /// The share of the time that goes into the reference.
 const FOR_REFERENCE: f64 = 0.35;
 /// Samples per pixel of the last rung that are worth measuring less of the picture for.
-const WORTHWHILE_SAMPLES: f64 = 32.0;
+const WORTHWHILE_SAMPLES: f64 = 16.0;
 
 /// Measures.
 ///
