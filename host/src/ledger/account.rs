@@ -119,7 +119,11 @@ pub fn accounts(measured: Vec<Measured>, reference: &Reference, target: Target) 
             efficiency,
             is_same_picture,
             slope: slope(&measured),
-            to_target: to_target(&measured, target),
+            to_target: to_target(&measured, target).filter(|[_, spp]| {
+                // What a bias leaves is met by no line through larger errors.
+                let far = 4.0 * f64::from(measured.rungs.last().map_or(0, |rung| rung.spp));
+                !bias.is_some_and(|bias| bias.shows()) || spp.value < far
+            }),
             foretold: foretold(&measured, target),
             measured,
         })

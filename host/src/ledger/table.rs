@@ -11,6 +11,8 @@ use crate::diff::{Metric, REL_MSE_FORMULA, significant};
 
 /// Beyond so many times the samples that were taken, a prediction is not told.
 const TOO_FAR: f64 = 1e4;
+/// Columns of a terminal that the table fits in.
+const COLUMNS: usize = 100;
 /// An interval whose ends are further apart by factors is not told.
 const TOO_VAGUE: f64 = 1e3;
 
@@ -53,8 +55,7 @@ impl Ledger {
             text += &note;
             text += "\n";
         }
-        let _ = write!(text, "\n{}", self.sentence());
-        text
+        text + "\n" + &wrapped(&self.sentence())
     }
 
     /// How it was measured: a line of what and how often, and one of the reference.
@@ -207,6 +208,25 @@ impl Ledger {
             (Some(best), Some(worst)) => format!("{asked}, {best}, {worst}"),
         }
     }
+}
+
+/// A sentence in lines of at most [`COLUMNS`].
+fn wrapped(sentence: &str) -> String {
+    let mut text = String::new();
+    let mut column = 0;
+    for word in sentence.split(' ') {
+        let length = word.chars().count();
+        if column > 0 && column + 1 + length > COLUMNS {
+            text += "\n";
+            column = 0;
+        } else if column > 0 {
+            text += " ";
+            column += 1;
+        }
+        text += word;
+        column += length;
+    }
+    text
 }
 
 /// Seconds with their interval, for a sentence.
