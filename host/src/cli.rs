@@ -94,15 +94,28 @@ pub struct RenderArgs {
     /// Samples per pixel; with --target-error or --time, the most.
     #[arg(long, value_name = "N", conflicts_with = "samples", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
+    /// Samples per pixel in odd rows of the picture, counted from 0, where those are not as many: what --unbiased ends in.
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "spp",
+        conflicts_with_all = ["samples", "target_error", "time"],
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
+    pub spp_odd_rows: Option<u32>,
     /// Stop when the picture's error is at most this, with a certainty of 95 %: X or relmse=X, or rmse=X. Exit code 3 if
     /// --time or --spp ends it before.
     #[arg(long, value_name = "[METRIC=]X", conflicts_with = "samples", value_parser = parse_error)]
     pub target_error: Option<Target>,
+    /// Let even rows decide when odd ones have enough for --target-error, and odd rows for even ones, so that no pixel's mean
+    /// is off because its own samples decided. Takes more samples.
+    #[arg(long, requires = "target_error", conflicts_with = "samples")]
+    pub unbiased: bool,
     /// Stop after so many seconds of tracing.
     #[arg(long, value_name = "SECONDS", conflicts_with = "samples", value_parser = parse_seconds)]
     pub time: Option<f64>,
     /// See whether the promise of --target-error is kept, by eight more pictures with fresh seeds.
-    #[arg(long, requires = "target_error")]
+    #[arg(long, requires = "target_error", conflicts_with = "samples")]
     pub audit: bool,
     /// Only samples A, A+1, ... B-1 of each pixel.
     #[arg(long, value_name = "A..B", value_parser = parse_samples)]

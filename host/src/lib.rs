@@ -13,6 +13,7 @@ pub mod demand;
 pub mod description;
 pub mod diff;
 pub mod error;
+mod fields;
 pub mod film;
 pub mod hierarchy;
 pub mod input;

@@ -39,6 +39,8 @@ impl std::fmt::Display for Precision {
 pub struct RenderSettings {
     /// Which samples of each pixel.
     pub samples: Range<u32>,
+    /// Where the samples of the film's odd rows end, if not where those of the even ones do.
+    pub odd_rows_end: Option<u32>,
     /// Which pixels.
     pub region: Region,
     /// Worker threads; 0 is one for each core.
@@ -61,6 +63,7 @@ impl RenderSettings {
         let film = &description.film;
         Self {
             samples: 0..film.spp,
+            odd_rows_end: None,
             region: Region::whole(film.width, film.height),
             threads: 0,
             precision: Precision::default(),
@@ -69,6 +72,20 @@ impl RenderSettings {
             accuracy: Accuracy::default(),
             isa: IsaChoice::default(),
         }
+    }
+
+    /// How many paths that are.
+    pub fn paths(&self) -> u64 {
+        let of_row = |y| row_samples(&self.samples, self.odd_rows_end, y).len() as u64;
+        u64::from(self.region.width()) * (self.region.y0..self.region.y1).map(of_row).sum::<u64>()
+    }
+}
+
+/// Which samples the pixels of a row of the film get.
+fn row_samples(samples: &Range<u32>, odd_rows_end: Option<u32>, y: u32) -> Range<u32> {
+    match odd_rows_end {
+        Some(end) if y % 2 == 1 => samples.start..end,
+        _ => samples.clone(),
     }
 }
 
@@ -153,6 +170,7 @@ pub fn render(
 #[derive(Clone, Copy, Debug)]
 pub struct Job {
     options: PathOptions,
+    odd_rows_end: Option<u32>,
     /// The effects that are needed.
     pub required: Effects,
     /// The kernel that is used.
@@ -180,13 +198,15 @@ pub trait Tracer: Sync {
     /// What setting up took.
     fn setup(&self) -> SetupReport;
 
-    /// Chooses the kernel for an integrator, with the effects, accuracy and instructions of `settings`.
+    /// Chooses the kernel for an integrator, with the effects, accuracy and instructions of `settings`, and the end of
+    /// its odd rows.
     ///
     /// # Errors
     /// There is no such kernel, or the machine lacks the instructions.
     fn job(&self, integrator: &IntegratorDescription, settings: &RenderSettings) -> Result<Job, Error>;
 
-    /// Adds samples of each pixel of the film's region, with the numbers of a seed.
+    /// Adds samples of each pixel of the film's region, with the numbers of a seed. Those of odd rows end elsewhere if
+    /// the job says so.
     fn trace(&self, job: &Job, seed: u64, samples: Range<u32>, film: &mut Film, monitor: &dyn Monitor) -> Traced;
 }
 
@@ -245,14 +265,18 @@ impl<R: TableReal> Tracer for Ready<'_, R> {
         let options = path_options(integrator);
         let required = View { options: &options, ..*self.view }.required_effects();
         let row = select(required, settings.effects, settings.accuracy)?;
-        Ok(Job { options, required, row, isa: Isa::select(settings.isa)? })
+        Ok(Job { options, odd_rows_end: settings.odd_rows_end, required, row, isa: Isa::select(settings.isa)? })
     }
 
     fn trace(&self, job: &Job, seed: u64, samples: Range<u32>, film: &mut Film, monitor: &dyn Monitor) -> Traced {
         let options = PathOptions { seed, ..job.options };
         let view = View { options: &options, ..*self.view };
         let start = Instant::now();
-        let (work, interrupted) = passes(&view, R::kernels(job.row).of_isa(job.isa), &samples, film, monitor);
+        let (work, interrupted) = {
+            let kernel = R::kernels(job.row).of_isa(job.isa);
+            let of_row = |y| row_samples(&samples, job.odd_rows_end, y);
+            passes(&view, kernel, of_row, film, monitor)
+        };
         Traced { work, seconds: start.elapsed().as_secs_f64(), interrupted }
     }
 }
@@ -261,24 +285,27 @@ impl<R: TableReal> Tracer for Ready<'_, R> {
 fn passes<R: TableReal>(
     view: &View<'_, R>,
     kernel: Kernel<R>,
-    samples: &Range<u32>,
+    samples: impl Fn(u32) -> Range<u32> + Sync,
     film: &mut Film,
     monitor: &dyn Monitor,
 ) -> (Work, bool) {
     let region = film.region();
     let interrupted = AtomicBool::new(false);
     let mut work = Work::default();
-    let mut start = samples.start;
+    // Rows differ in where they end alone, and every other row is like the first or the second one.
+    let [first, second] = [region.y0, region.y0 + 1].map(&samples);
+    let (mut start, last) = (first.start, first.end.max(second.end));
     // The first pass is one sample, so that a picture exists soon; each next one doubles.
     let mut pass = 1;
-    while start < samples.end && !interrupted.load(Ordering::Relaxed) {
-        let end = start.saturating_add(pass).min(samples.end);
+    while start < last && !interrupted.load(Ordering::Relaxed) {
+        let end = start.saturating_add(pass).min(last);
         let of_row = |(index, pixels): (usize, &mut [ocellus_kernel::Pixel])| {
             if monitor.stopped() {
                 interrupted.store(true, Ordering::Relaxed);
                 return Work::default();
             }
-            let work = kernel(view, region.x0, region.y0 + index as u32, start..end, pixels);
+            let y = region.y0 + index as u32;
+            let work = kernel(view, region.x0, y, start..end.min(samples(y).end), pixels);
             monitor.advance(work.paths);
             work
         };

@@ -5,6 +5,7 @@ use std::time::Instant;
 use crate::commands::words::duration;
 use crate::description::SceneDescription;
 use crate::error::Error;
+use crate::fields::Fields;
 use crate::film::Film;
 use crate::promise::{FIRST_LOOK, Outlook, Target, foreseen, next_look};
 use crate::render::{Job, Monitor, RenderSettings, Rendering, Tracer, with_tracer};
@@ -15,6 +16,8 @@ use ocellus_kernel::Work;
 pub struct Until {
     /// The error is promised to be at most this.
     pub target: Option<Target>,
+    /// Even rows of the film decide that for odd ones, and odd rows for even ones: then no mean is off because of it.
+    pub unbiased: bool,
     /// So many seconds of tracing have gone.
     pub seconds: Option<f64>,
     /// Each pixel has so many samples.
@@ -24,10 +27,13 @@ pub struct Until {
 /// A picture, and what is promised of it.
 #[derive(Clone, Debug)]
 pub struct Promised {
-    /// The picture. Its samples are 0 to `spp`, so that `--spp` renders it again, bit for bit.
+    /// The picture. Its samples are 0 to `spp`, so that `--spp` renders it again, bit for bit; in odd rows of the film 0
+    /// to `odd_rows_end` where that is another number.
     pub rendering: Rendering,
     /// Samples of each pixel.
     pub spp: u32,
+    /// Samples of each pixel in odd rows, where they have their own number.
+    pub odd_rows_end: Option<u32>,
     /// What its error is; `None` with too few samples or without a target.
     pub outlook: Option<Outlook>,
     /// At how many samples per pixel the target will be met, or was.
@@ -38,13 +44,19 @@ pub struct Promised {
 /// and the clock.
 ///
 /// # Errors
-/// As [`crate::render::render`].
+/// As [`crate::render::render`]; an unbiased picture of one row.
 pub fn render_until(
     description: &SceneDescription,
     settings: &RenderSettings,
     until: &Until,
     monitor: &dyn Monitor,
 ) -> Result<Promised, Error> {
+    if until.unbiased && settings.region.height() < 2 {
+        return Err(Error::usage(
+            "--unbiased lets even rows decide for odd ones, and there is one row",
+            "render more of the picture, or leave --unbiased out",
+        ));
+    }
     with_tracer(description, settings, |tracer| {
         let job = tracer.job(&description.integrator, settings)?;
         let film = || {
@@ -56,6 +68,7 @@ pub fn render_until(
             job,
             seed: description.integrator.seed,
             halves: [film()?, film()?],
+            fields: until.unbiased.then(Fields::default),
             spp: 0,
             work: Work::default(),
             start: Instant::now(),
@@ -74,6 +87,8 @@ struct Course<'a> {
     seed: u64,
     /// Of as many samples each, so that their difference shows the error.
     halves: [Film; 2],
+    /// What is done of it, where its fields decide for each other.
+    fields: Option<Fields>,
     spp: u32,
     work: Work,
     start: Instant,
@@ -94,15 +109,24 @@ impl Course<'_> {
                 }
             }
             self.spp += step;
-            if let Some(target) = until.target
-                && let Some(outlook) = Outlook::of(&self.halves, target.metric)
-            {
-                self.looks.push((self.spp, outlook));
-                if outlook.most <= target.value {
-                    return;
-                }
+            if until.target.is_some_and(|target| self.look(target)) {
+                return;
             }
             monitor.tell(&self.words(until));
+        }
+    }
+
+    /// Looks whether it is enough.
+    fn look(&mut self, target: Target) -> bool {
+        let outlook = match &mut self.fields {
+            None => Outlook::of(&self.halves, target.metric),
+            Some(fields) => fields.look(self.spp, &self.halves, target),
+        };
+        let Some(outlook) = outlook else { return false };
+        self.looks.push((self.spp, outlook));
+        match &self.fields {
+            None => outlook.most <= target.value,
+            Some(fields) => fields.are_done(),
         }
     }
 
@@ -138,8 +162,15 @@ impl Course<'_> {
         format!("{} spp{}", self.spp, by_target.or(by_time).unwrap_or_default())
     }
 
-    fn finish(self, until: &Until) -> Promised {
-        let (outlook, foreseen) = (self.looks.last().map(|(_, outlook)| *outlook), self.foreseen(until));
+    fn finish(mut self, until: &Until) -> Promised {
+        let (mut outlook, mut foreseen_spp) = (self.looks.last().map(|(_, outlook)| *outlook), self.foreseen(until));
+        let (mut spp, mut odd_rows_end) = (self.spp, None);
+        if let (Some(fields), Some(target)) = (&self.fields, until.target) {
+            let [even, odd] = fields.spp(self.spp);
+            (spp, odd_rows_end) = (even, Some(odd));
+            outlook = fields.finish(&mut self.halves, target.metric);
+            foreseen_spp = outlook.and_then(|outlook| foreseen(&[(even, outlook)], target));
+        }
         let seconds = self.start.elapsed().as_secs_f64();
         let [mut film, other] = self.halves;
         film.add(&other);
@@ -154,6 +185,6 @@ impl Course<'_> {
             trace_seconds: seconds,
             interrupted: self.interrupted,
         };
-        Promised { rendering, spp: self.spp, outlook, foreseen }
+        Promised { rendering, spp, odd_rows_end, outlook, foreseen: foreseen_spp }
     }
 }

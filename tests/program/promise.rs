@@ -44,6 +44,62 @@ fn time_that_is_up_and_samples_that_are_spent_end_it_with_3() {
 }
 
 #[test]
+fn fields_decide_for_each_other_and_are_rendered_again() {
+    let folder = Folder::with_ball();
+    let scene = ["ball.toml", "--size", "24x24", "--seed", "3"];
+    let render = |more: &[&str]| folder.render(&[&scene[..], more].concat());
+    let report = render(&["--target-error", "0.02", "--unbiased", "--audit", "-o", "a.exr"]);
+    assert_eq!(report["target"]["met"], true, "{report}");
+    let [even, odd] = ["spp", "spp_odd_rows"].map(|key| report[key].as_u64().expect("a number").to_string());
+    // Another seed might make them the same, and show less.
+    assert_ne!(even, odd, "{report}");
+    assert!(report["audit"]["kept"].as_u64().is_some_and(|kept| kept >= 8), "{report}");
+
+    let again = render(&["--spp", &even, "--spp-odd-rows", &odd, "--threads", "1", "-o", "b.exr"]);
+    assert_eq!(
+        (&again["image_hash"], &again["spp_odd_rows"], &again["samples_per_pixel"]),
+        (&report["image_hash"], &report["spp_odd_rows"], &report["samples_per_pixel"])
+    );
+    let picture = folder.picture("a.exr");
+    assert_eq!(folder.picture("b.exr"), picture);
+    // Rows are those of pictures with as many samples everywhere: nothing that only decided is left.
+    for (parity, spp) in [even, odd].iter().enumerate() {
+        assert!(render(&["--spp", spp, "-o", "c.exr"])["spp_odd_rows"].is_null());
+        let plain = folder.picture("c.exr");
+        for y in (parity..24).step_by(2) {
+            assert_eq!(plain.pixels[24 * y..24 * (y + 1)], picture.pixels[24 * y..24 * (y + 1)], "{y}");
+        }
+    }
+    // Rows are counted in the whole picture.
+    render(&["--spp", "2", "--spp-odd-rows", "5", "--crop", "3,7,20,8", "-o", "d.exr"]);
+    render(&["--spp", "5", "--crop", "3,7,20,8", "-o", "e.exr"]);
+    assert_eq!(folder.picture("d.exr"), folder.picture("e.exr"));
+}
+
+#[test]
+fn fields_end_with_what_others_end_with() {
+    let folder = Folder::with_ball();
+    let arguments =
+        ["render", "ball.toml", "--json", "--target-error", "1e-9", "--unbiased", "--spp", "32", "-o", "a.png"];
+    let outcome = folder.run(&arguments).with_code(3);
+    assert!(outcome.stderr.contains("the same bits again: --spp 32 --spp-odd-rows 32"), "{}", outcome.stderr);
+    let one_row = ["render", "ball.toml", "--target-error", "0.1", "--unbiased", "--crop", "0,3,8,4"];
+    assert!(folder.run(&one_row).with_code(2).stderr.contains("there is one row"));
+    for wrong in [
+        &["--unbiased"][..],
+        &["--unbiased", "--time", "1"],
+        &["--unbiased", "--samples", "0..4"],
+        &["--spp-odd-rows", "4"],
+        &["--spp-odd-rows", "0", "--spp", "4"],
+        &["--spp-odd-rows", "4", "--samples", "0..4"],
+        &["--spp-odd-rows", "4", "--spp", "4", "--target-error", "1"],
+        &["--spp-odd-rows", "4", "--spp", "4", "--time", "1"],
+    ] {
+        folder.run(&[&["render", "ball.toml"][..], wrong].concat()).with_code(2);
+    }
+}
+
+#[test]
 fn targets_are_read_or_refused_with_an_example() {
     let folder = Folder::with_ball();
     let report = folder.render(&["ball.toml", "--target-error", "rmse=1", "-o", "a.exr"]);
@@ -53,5 +109,6 @@ fn targets_are_read_or_refused_with_an_example() {
         assert!(refused.stderr.contains("relmse=0.01"), "{wrong}: {}", refused.stderr);
     }
     folder.run(&["render", "ball.toml", "--audit"]).with_code(2);
+    folder.run(&["render", "ball.toml", "--audit", "--samples", "0..4"]).with_code(2);
     folder.run(&["render", "ball.toml", "--time", "1", "--samples", "0..4"]).with_code(2);
 }

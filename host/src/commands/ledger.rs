@@ -22,6 +22,7 @@ pub(super) fn run(args: &LedgerArgs) -> Result<ExitCode, Error> {
     let whole = Region::whole(film.width, film.height);
     let settings = RenderSettings {
         samples: 0..1,
+        odd_rows_end: None,
         region: args.crop.unwrap_or(whole),
         threads: usize::from(args.threads),
         precision: args.scene.precision,

@@ -26,7 +26,8 @@ pub(super) fn tell_of(
 ) -> bool {
     let spp = settings.samples.end;
     if !rendering.interrupted && (args.target_error.is_some() || args.time.is_some()) {
-        tell(format_args!("the same bits again: --spp {spp}"));
+        let odd_rows = settings.odd_rows_end.map(|end| format!(" --spp-odd-rows {end}")).unwrap_or_default();
+        tell(format_args!("the same bits again: --spp {spp}{odd_rows}"));
     }
     let Some(target) = args.target_error else { return true };
     let met = outlook.is_some_and(|outlook| outlook.most <= target.value);

@@ -69,18 +69,23 @@ fn trace(
     interrupt: &Interrupt,
 ) -> Result<Promised, Error> {
     if args.target_error.is_none() && args.time.is_none() {
-        let pixels = u64::from(settings.region.width()) * u64::from(settings.region.height());
-        let progress = Progress::new(pixels * settings.samples.len() as u64, interrupt.clone());
+        let progress = Progress::new(settings.paths(), interrupt.clone());
         let rendering = render(scene, settings, &progress);
         progress.finish();
-        return Ok(Promised { rendering: rendering?, spp: settings.samples.end, outlook: None, foreseen: None });
+        let (spp, odd_rows_end) = (settings.samples.end, settings.odd_rows_end);
+        return Ok(Promised { rendering: rendering?, spp, odd_rows_end, outlook: None, foreseen: None });
     }
-    let until = Until { target: args.target_error, seconds: args.time, spp: args.spp.unwrap_or(u32::MAX) };
+    let until = Until {
+        target: args.target_error,
+        unbiased: args.unbiased,
+        seconds: args.time,
+        spp: args.spp.unwrap_or(u32::MAX),
+    };
     let progress = Progress::open_ended(interrupt.clone());
     let promised = render_until(scene, settings, &until, &progress);
     progress.finish();
     let promised = promised?;
-    settings.samples = 0..promised.spp;
+    (settings.samples, settings.odd_rows_end) = (0..promised.spp, promised.odd_rows_end);
     Ok(promised)
 }
 
@@ -117,6 +122,7 @@ fn settings(args: &RenderArgs, scene: &SceneDescription) -> RenderSettings {
     let samples = args.samples.clone().unwrap_or(0..args.spp.unwrap_or(scene.film.spp));
     RenderSettings {
         samples,
+        odd_rows_end: args.spp_odd_rows,
         region: args.crop.unwrap_or(Region::whole(scene.film.width, scene.film.height)),
         threads: usize::from(args.threads),
         precision: args.scene.precision,
@@ -137,7 +143,7 @@ fn report(
 ) -> Value {
     let (film, region) = (&rendering.film, settings.region);
     let non_finite = film.non_finite();
-    json!({
+    let mut report = json!({
         "program": concat!("ocellus ", env!("CARGO_PKG_VERSION")),
         "scene": args.scene.scene.display().to_string(),
         "seed": scene.integrator.seed,
@@ -166,7 +172,11 @@ fn report(
         "estimated_rmse": film.estimated_rmse(),
         "interrupted": rendering.interrupted,
         "image_hash": format!("{:016x}", film.image_hash()),
-    })
+    });
+    if let Some(odd_rows_end) = settings.odd_rows_end {
+        report["spp_odd_rows"] = json!(odd_rows_end);
+    }
+    report
 }
 
 /// The report as the text that goes into picture files: what does not depend on the machine, so that the same render
@@ -181,7 +191,10 @@ fn provenance(report: &Value) -> Vec<(String, String)> {
 /// The last lines, for people.
 fn summarize(rendering: &Rendering, settings: &RenderSettings) {
     let (film, seconds) = (&rendering.film, rendering.trace_seconds);
-    let asked = counted(settings.samples.len() as u64, "sample");
+    let asked = match settings.odd_rows_end {
+        Some(odd) => format!("{} (odd rows {odd})", counted(settings.samples.len() as u64, "sample")),
+        None => counted(settings.samples.len() as u64, "sample"),
+    };
     let [fewest, most] = film.samples_per_pixel();
     let took = duration(seconds);
     tell(match rendering.interrupted {
