@@ -89,7 +89,7 @@ fn every_picture_can_be_rendered_again() {
         "--seed",
         "7",
         "--vary",
-        "precision,accel,effects,isa",
+        "sampler,fresnel,max-bounces,precision,ray-offset,sphere-test,accel,effects,isa",
     ];
     let ledger = folder.run(&arguments).with_code(0).json();
     assert_eq!(folder.names(), ["ball.ledger", "ball.toml"]);
@@ -103,9 +103,45 @@ fn every_picture_can_be_rendered_again() {
         assert_eq!(folder.render(&render)["image_hash"], level["image_hash"], "{name}");
     }
     for (name, level) in levels(&ledger).into_iter().filter(|(name, _)| !name.starts_with("as ")) {
-        assert_eq!(level["same_picture"], !name.starts_with("precision"), "{name}");
+        if ["precision", "accel", "effects", "isa"].iter().any(|option| name.starts_with(option)) {
+            assert_eq!(level["same_picture"], !name.starts_with("precision"), "{name}");
+        }
         assert!(level["efficiency_over_first"]["value"].as_f64().is_some_and(|ratio| ratio > 0.0), "{name}");
     }
+
+    // The page has all of them as commands.
+    let page = std::fs::read_to_string(folder.path("ball.ledger/ledger.html")).expect("a page");
+    let commands: Vec<_> = page.split("<dd><code>ocellus ").skip(1).collect();
+    assert_eq!(commands.len(), levels(&ledger).len());
+    for command in commands {
+        let (command, rest) = command.split_once("</code>").expect("a command's end");
+        let (_, rest) = rest.split_once("image_hash ").expect("a hash");
+        let arguments: Vec<_> = command.split(' ').chain(["--json"]).collect();
+        assert_eq!(folder.run(&arguments).with_code(0).json()["image_hash"], rest[..16], "{command}");
+    }
+}
+
+#[test]
+fn what_an_eye_sees_is_told_of_the_crop() {
+    let folder = Folder::with_ball();
+    let arguments = ["ledger", "ball.toml", "--json", "--budget", "2", "--runs", "3", "--vary", "accel"];
+    let ledger = folder.run(&arguments).with_code(0).json();
+    assert_eq!(ledger["crop"], serde_json::json!([0, 0, 8, 8]));
+    let flips = |name: &str, figure: &str| -> Vec<Value> {
+        let rungs = level(&ledger, name)["rungs"].as_array().expect("rungs");
+        rungs.iter().map(|rung| rung[figure].clone()).collect()
+    };
+    for figure in ["crop_flip", "crop_hdr_flip"] {
+        let asked = flips("as ", figure);
+        let [first, last] = [&asked[0], &asked[asked.len() - 1]].map(|flip| flip["value"].as_f64().expect("a value"));
+        assert!(0.0 < last && last < first && first < 1.0, "{figure}: {asked:?}");
+        assert!(asked.iter().all(|flip| flip["half"].as_f64().is_some_and(|half| half > 0.0)), "{asked:?}");
+        // The same pictures look the same.
+        let same = flips("accel none", figure);
+        assert_eq!(same[..], asked[..same.len()]);
+    }
+    let csv = std::fs::read_to_string(folder.path("ball.ledger/ledger.csv")).expect("a table");
+    assert!(csv.lines().next().expect("heads").ends_with("crop_flip,crop_flip_half,crop_hdr_flip,crop_hdr_flip_half"));
 }
 
 #[test]
@@ -128,10 +164,14 @@ fn a_bias_is_flagged_and_chance_is_not() {
 #[test]
 fn what_cannot_be_measured_is_left_out_by_name_or_refused() {
     let folder = Folder::with_ball();
-    let ask = |more: &[&str]| folder.run(&[&["ledger", "ball.toml", "--budget", "1", "--runs", "2"], more].concat());
+    let ask = |more: &[&str]| folder.run(&[&["ledger", "ball.toml", "--runs", "2"], more].concat());
     // One alternative of accuracy at a time.
-    let outcome = ask(&["--sphere-test", "narrow", "--vary", "ray-offset"]).with_code(0);
+    let outcome = ask(&["--sphere-test", "narrow", "--vary", "ray-offset", "--budget", "1"]).with_code(0);
     assert!(outcome.stdout.contains("ray-offset constant: left out, no kernel has"), "{}", outcome.stdout);
+    // What takes too long for the time there is; the scene as asked for is measured in any case.
+    let outcome = ask(&["--vary", "precision", "--budget", "1e-5"]).with_code(0);
+    assert!(outcome.stdout.contains("precision f64: left out, a run of 16 samples takes"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("\n  as asked  "), "{}", outcome.stdout);
     for (more, text) in [
         (["--target", "flip=1"], "relmse=0.01"),
         (["--budget", "0"], "more than 0"),
@@ -142,6 +182,6 @@ fn what_cannot_be_measured_is_left_out_by_name_or_refused() {
         let refused = folder.run(&arguments).with_code(2);
         assert!(refused.stderr.contains(text), "{more:?}: {}", refused.stderr);
     }
-    let missing = ask(&["--reference", "none.exr"]).with_code(66);
+    let missing = ask(&["--reference", "none.exr", "--budget", "1"]).with_code(66);
     assert!(missing.stderr.contains("none.exr"), "{}", missing.stderr);
 }

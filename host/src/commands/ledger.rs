@@ -49,6 +49,7 @@ pub(super) fn run(args: &LedgerArgs) -> Result<ExitCode, Error> {
         whole,
         has_max_bounces: args.scene.max_bounces.is_some(),
         has_fresnel: args.scene.fresnel.is_some(),
+        has_sampler: args.scene.sampler.is_some(),
         tone: ToneMap::new(film.exposure, film.gamma)?,
         seed: seed(&scene, 0),
     };

@@ -23,6 +23,8 @@ pub struct Account {
     pub slope: Option<Estimate>,
     /// Seconds of tracing until the target, and samples per pixel.
     pub to_target: Option<[Ratio; 2]>,
+    /// How many times sooner than the scene as asked for it reaches the target; `None` where that is not known of both.
+    pub sooner: Option<Ratio>,
     /// What the rungs up to a quarter of the samples foretell for the last one, over what came: 1 if predictions are good.
     pub foretold: Option<Ratio>,
 }
@@ -107,16 +109,20 @@ pub fn accounts(measured: Vec<Measured>, reference: &Reference, target: Target) 
         .zip(&biases)
         .map(|(level, bias)| {
             let is_same_picture = is_same_picture(level, &measured[0]);
-            (efficiency(level, bias, &measured[0], &biases[0], is_same_picture), is_same_picture)
+            let efficiency = efficiency(level, bias, &measured[0], &biases[0], is_same_picture);
+            // The same picture at the same number of samples is nearer by as much as it is faster.
+            let sooner = if is_same_picture { efficiency } else { sooner(level, &measured[0], target) };
+            (efficiency, sooner, is_same_picture)
         })
         .collect();
     measured
         .into_iter()
         .zip(biases)
         .zip(rows)
-        .map(|((measured, bias), (efficiency, is_same_picture))| Account {
+        .map(|((measured, bias), (efficiency, sooner, is_same_picture))| Account {
             bias,
             efficiency,
+            sooner,
             is_same_picture,
             slope: slope(&measured),
             to_target: to_target(&measured, target).filter(|[_, spp]| {
@@ -180,16 +186,26 @@ fn slope(measured: &Measured) -> Option<Estimate> {
     slopes.filter(|slopes| slopes.len() > 1).map(Estimate::of)
 }
 
-/// Where the line through a run's errors meets the target.
-fn to_target(measured: &Measured, target: Target) -> Option<[Ratio; 2]> {
-    let reach = |x: &dyn Fn(&Rung, &Run) -> f64| {
-        let courses = courses(measured, x, |run| target.error(run));
-        Ratio::of(courses.iter().map(|points| match Line::through(points) {
-            Some(line) if line.slope < 0.0 => libm::exp((libm::log(target.value) - line.level) / line.slope),
-            _ => f64::NAN,
-        }))
+/// Where the line through each run's errors meets the target; NaN where it does not.
+fn reaches(measured: &Measured, target: Target, x: impl Fn(&Rung, &Run) -> f64) -> Vec<f64> {
+    let reach = |points: &Vec<[f64; 2]>| match Line::through(points) {
+        Some(line) if line.slope < 0.0 => libm::exp((libm::log(target.value) - line.level) / line.slope),
+        _ => f64::NAN,
     };
-    Some([reach(&|_, run| run.seconds)?, reach(&|rung, _| f64::from(rung.spp))?])
+    courses(measured, x, |run| target.error(run)).iter().map(reach).collect()
+}
+
+fn to_target(measured: &Measured, target: Target) -> Option<[Ratio; 2]> {
+    let seconds = Ratio::of(reaches(measured, target, |_, run| run.seconds))?;
+    let spp = Ratio::of(reaches(measured, target, |rung, _| f64::from(rung.spp)))?;
+    Some([seconds, spp])
+}
+
+/// Times to the target, those of the scene as asked for over the level's: runs share seeds and take turns, so that they
+/// are compared one by one.
+fn sooner(level: &Measured, baseline: &Measured, target: Target) -> Option<Ratio> {
+    let times = |measured| reaches(measured, target, |_, run| run.seconds);
+    Ratio::of(times(baseline).iter().zip(times(level)).map(|(asked, time)| asked / time))
 }
 
 fn foretold(measured: &Measured, target: Target) -> Option<Ratio> {

@@ -15,7 +15,7 @@ use crate::diff::{REL_MSE_EPSILON, REL_MSE_FORMULA};
 type Figure = (&'static str, fn(&Run) -> f64);
 
 /// What is told of each rung, as mean and half of its 95 % interval over runs.
-const FIGURES: [Figure; 12] = [
+const FIGURES: [Figure; 14] = [
     ("seconds", |run| run.seconds),
     ("cpu_seconds", |run| run.cpu_seconds),
     ("rays", |run| run.rays as f64),
@@ -28,6 +28,8 @@ const FIGURES: [Figure; 12] = [
     ("p99_error", |run| run.figures.percentiles[2]),
     ("worst_share", |run| run.figures.worst_share),
     ("mean", |run| run.figures.mean),
+    ("crop_flip", |run| run.flips.flip),
+    ("crop_hdr_flip", |run| run.flips.hdr_flip),
 ];
 
 impl Ledger {
@@ -57,6 +59,8 @@ impl Ledger {
     /// Everything, as one JSON object.
     pub fn to_json(&self) -> Value {
         let (region, reference) = (self.region, &self.reference);
+        let ([x, y], [width, height]) = (self.crop.corner, self.crop.size);
+        let crop = [region.x0 + x, region.y0 + y, region.x0 + x + width, region.y0 + y + height];
         let source = match &reference.source {
             Source::Rendered { spp, seconds } => json!({ "spp": spp, "seconds": seconds, "precision": "f64" }),
             Source::File { picture, errors } => json!({ "file": picture, "standard_errors": errors }),
@@ -75,6 +79,7 @@ impl Ledger {
             "relmse_formula": REL_MSE_FORMULA,
             "relmse_epsilon": REL_MSE_EPSILON,
             "target": { "metric": self.target.metric.to_string(), "value": self.target.value },
+            "crop": crop,
             "reference": { "source": source, "rmse": reference.rmse() },
             "levels": self.accounts.iter().map(Account::to_json).collect::<Vec<_>>(),
             "left_out": left_out.collect::<Vec<_>>(),
@@ -100,6 +105,7 @@ impl Account {
             "variance": measured.spread.variance(),
             "bias": bias,
             "efficiency_over_first": self.efficiency.as_ref().map(of_ratio),
+            "times_sooner_than_first": self.sooner.as_ref().map(of_ratio),
             "slope": self.slope.as_ref().map(of_estimate),
             "verdict": self.slope.as_ref().map(|slope| Verdict::of(slope).words()),
             "seconds_to_target": self.to_target.as_ref().map(|[seconds, _]| of_ratio(seconds)),

@@ -2,10 +2,12 @@
 
 use super::crop::Crop;
 use super::figures::Figures;
+use super::flip::{Eye, Flips};
 use super::levels::{Choice, LeftOut, Level};
 use super::reference::Reference;
 use super::spread::Spread;
 use crate::assemble::{Accel, SetupReport};
+use crate::commands::words::duration;
 use crate::description::SceneDescription;
 use crate::error::Error;
 use crate::film::{Film, Region};
@@ -23,6 +25,8 @@ pub struct Run {
     pub rays: u64,
     /// How far the picture is from the reference.
     pub figures: Figures,
+    /// What an eye sees of that in the crop.
+    pub flips: Flips,
 }
 
 /// All runs of a level up to one number of samples.
@@ -91,7 +95,9 @@ pub fn measure(
     }
     let mut found = (Vec::new(), Vec::new());
     with_all(scene, &settings, None, &mut |ready| {
-        let (mut courses, left_out) = Course::all(levels, ready);
+        let (courses, mut left_out) = Course::all(levels, ready);
+        let (mut courses, too_slow) = plan(courses, scene, effort, monitor);
+        left_out.extend(too_slow);
         run_all(&mut courses, scene, reference, effort, monitor);
         found = (courses.into_iter().filter_map(Course::measured).collect(), left_out);
     })?;
@@ -174,7 +180,7 @@ impl<'a> Course<'a> {
     }
 
     /// One run, from one sample per pixel up.
-    fn run(&mut self, seed: u64, reference: &Reference, crop: &Crop, monitor: &dyn Monitor) {
+    fn run(&mut self, seed: u64, reference: &Reference, crop: &Crop, eye: &mut Eye<'_>, monitor: &dyn Monitor) {
         let mut film = Film::new(self.level.settings.region);
         let (mut seconds, mut cpu_seconds, mut rays) = (0.0, 0.0, 0);
         let (mut spp, mut end) = (0, 1);
@@ -190,9 +196,11 @@ impl<'a> Course<'a> {
             cpu_seconds += cpu_clock().zip(before).map_or(traced.seconds, |(after, before)| after - before);
             rays += traced.work.rays;
             let picture = film.picture();
-            runs.push((end, Run { seconds, cpu_seconds, rays, figures: Figures::of(&picture, reference) }));
+            let cut = crop.cut(&picture);
+            let (figures, flips) = (Figures::of(&picture, reference), eye.look(&cut));
+            runs.push((end, Run { seconds, cpu_seconds, rays, figures, flips }));
             if is_shown {
-                crops.push(crop.cut(&picture));
+                crops.push(cut);
             }
             (spp, end) = (end, 2 * end);
         }
@@ -222,6 +230,9 @@ impl<'a> Course<'a> {
 /// The fewest samples that the last rung of a level has, where only its time matters and where its error does, too.
 const LEAST_SAMPLES: [u32; 2] = [4, 16];
 
+/// A level that needs so many times its share is left out.
+const TOO_LONG: f64 = 2.0;
+
 /// The share of the effort that a level gets.
 fn weight(level: &Level) -> f64 {
     match level.choice {
@@ -232,6 +243,45 @@ fn weight(level: &Level) -> f64 {
     }
 }
 
+/// Chooses the last rung of each level by what a sample takes. A level whose fewest samples take much more than its share
+/// is left out; the scene as asked for never is.
+fn plan<'a>(
+    courses: Vec<Course<'a>>,
+    scene: &SceneDescription,
+    effort: Effort,
+    monitor: &dyn Monitor,
+) -> (Vec<Course<'a>>, Vec<LeftOut>) {
+    let all: f64 = courses.iter().map(|course| weight(course.level)).sum();
+    let (mut kept, mut left_out) = (Vec::new(), Vec::new());
+    for mut course in courses {
+        let mut film = Film::new(course.level.settings.region);
+        let seed = scene.integrator.seed;
+        let mut once = |at| course.tracer.trace(&course.job, seed, at..at + 1, &mut film, monitor).seconds;
+        // Two samples, not counted, show what a sample takes; the first one warms up.
+        let [_, mut sample] = [0, 1].map(&mut once);
+        let share = effort.seconds * weight(course.level) / all / f64::from(effort.runs);
+        let keeps = course.level.choice.is_some_and(Choice::keeps_the_picture);
+        let least = LEAST_SAMPLES[usize::from(!keeps)];
+        if let Some(choice) = course.level.choice {
+            let most = TOO_LONG * share / f64::from(least);
+            if sample > most {
+                // That the machine was busy for a moment is no reason.
+                sample = [2, 3].map(&mut once).into_iter().fold(sample, f64::min);
+            }
+            if sample > most {
+                let takes = duration(f64::from(least) * sample);
+                let why = format!("a run of {least} samples takes {takes}, its share is {}", duration(share));
+                left_out.push(LeftOut { choice, name: course.level.name.clone(), why });
+                continue;
+            }
+        }
+        let most = (share / sample.max(1e-6)).clamp(1.0, 1e6) as u32;
+        course.top = (1 << most.ilog2()).max(least);
+        kept.push(course);
+    }
+    (kept, left_out)
+}
+
 /// Runs all courses, each as often, with seeds that all share.
 fn run_all(
     courses: &mut [Course<'_>],
@@ -240,23 +290,14 @@ fn run_all(
     effort: Effort,
     monitor: &dyn Monitor,
 ) {
-    let all: f64 = courses.iter().map(|course| weight(course.level)).sum();
-    for course in &mut *courses {
-        // Two samples, not counted, show what a sample takes; the first one warms up.
-        let mut film = Film::new(course.level.settings.region);
-        let seed = scene.integrator.seed;
-        let [_, once] = [0, 1].map(|at| course.tracer.trace(&course.job, seed, at..at + 1, &mut film, monitor).seconds);
-        let share = effort.seconds * weight(course.level) / all / f64::from(effort.runs);
-        let most = (share / once.max(1e-6)).clamp(1.0, 1e6) as u32;
-        let keeps = course.level.choice.is_some_and(Choice::keeps_the_picture);
-        course.top = (1 << most.ilog2()).max(LEAST_SAMPLES[usize::from(!keeps)]);
-    }
+    let truth = effort.crop.cut(&reference.picture);
     for run in 0..effort.runs {
+        let mut eye = Eye::new(&truth);
         for course in &mut *courses {
             if monitor.stopped() {
                 return;
             }
-            course.run(seed(scene, run), reference, &effort.crop, monitor);
+            course.run(seed(scene, run), reference, &effort.crop, &mut eye, monitor);
         }
     }
 }

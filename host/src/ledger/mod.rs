@@ -10,6 +10,7 @@ pub mod crop;
 mod data;
 pub mod estimate;
 pub mod figures;
+pub mod flip;
 pub mod levels;
 pub mod measure;
 pub mod page;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::description::{FresnelDescription, LightSamplingDescription, SceneDescription};
+use crate::description::{FresnelDescription, LightSamplingDescription, SamplerDescription, SceneDescription};
 use crate::error::Error;
 use crate::film::{Film, Region};
 use crate::input::read_picture;
@@ -75,6 +75,8 @@ impl Reference {
         exact.integrator.fresnel = FresnelDescription::Exact;
         exact.integrator.light_sampling = LightSamplingDescription::Cone;
         exact.integrator.roulette_after = None;
+        // Its own noise is told by how its samples scatter, which says it only where they are independent.
+        exact.integrator.sampler = SamplerDescription::Independent;
         let settings = RenderSettings { precision: Precision::F64, accuracy: Accuracy::ROBUST, ..settings.clone() };
         // Not the seed of any run, nor one that differs from those in its low bits alone.
         let seed = !scene.integrator.seed ^ 0x9E37_79B9_7F4A_7C15;
@@ -128,4 +130,31 @@ fn part(picture: Picture, path: &Path, scene: &SceneDescription, region: Region)
     let pixels =
         rows.flat_map(|start| picture.pixels[start..start + region.width() as usize].iter().copied()).collect();
     Ok(Picture { width: region.width(), height: region.height(), pixels })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Unmonitored;
+
+    #[test]
+    fn samples_are_independent_whatever_the_scene_asks_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("scene.toml");
+        let text = "[film]\nwidth = 4\nheight = 4\n[camera]\nposition = [0, 0, 4]\nlook_at = [0, 0, 0]\n\
+                    [materials]\ngrey = { kind = \"diffuse\", albedo = 0.5 }\n\
+                    [[spheres]]\ncenter = [0, 0, 0]\nradius = 9\nmaterial = \"grey\"\ninverted = true\n\
+                    [[lights]]\nkind = \"sphere\"\ncenter = [0, 4, 2]\nradius = 1\npower = 100\n";
+        std::fs::write(&path, text).expect("a scene");
+        let mut scene = crate::load::load_scene(&path).expect("a scene");
+        let settings = RenderSettings { threads: 1, ..RenderSettings::of(&scene) };
+        // No time at all gives four samples.
+        let mut rendered = |sampler| {
+            scene.integrator.sampler = sampler;
+            Reference::render(&scene, &settings, 0.0, &Unmonitored).expect("a reference")
+        };
+        let [independent, sobol] = [SamplerDescription::Independent, SamplerDescription::Sobol].map(&mut rendered);
+        assert_eq!((sobol.picture, &sobol.variance), (independent.picture, &independent.variance));
+        assert!(sobol.variance.iter().flatten().all(|variance| *variance > 0.0));
+    }
 }

@@ -115,10 +115,15 @@ impl Ledger {
         Cells { spp: rung.spp.to_string(), seconds: duration(seconds), error, time, efficiency, slope }
     }
 
+    /// Whether a level's errors come near enough to the target to tell when they reach it.
+    fn is_in_sight(account: &Account) -> bool {
+        account.to_target.is_some_and(|[_, spp]| spp.value < TOO_FAR * f64::from(account.top().spp))
+    }
+
     /// When a level reaches the target.
     fn time(&self, account: &Account) -> String {
         match account.to_target {
-            Some([seconds, spp]) if spp.value < TOO_FAR * f64::from(account.top().spp) => {
+            Some([seconds, _]) if Self::is_in_sight(account) => {
                 let [low, high] = seconds.interval;
                 if high < TOO_VAGUE * low {
                     format!("{} ({}..{})", brief(seconds.value), brief(low), brief(high))
@@ -185,8 +190,7 @@ impl Ledger {
     /// The answer in a sentence.
     pub fn sentence(&self) -> String {
         let Some(baseline) = self.accounts.first() else { return "nothing was measured".to_owned() };
-        let most = TOO_FAR * f64::from(baseline.top().spp);
-        let Some([seconds, _]) = baseline.to_target.filter(|[_, spp]| spp.value < most) else {
+        let Some([seconds, _]) = baseline.to_target.filter(|_| Self::is_in_sight(baseline)) else {
             return format!(
                 "as asked, the picture's {} is not seen to reach {}",
                 self.target.metric, self.target.value
@@ -194,9 +198,8 @@ impl Ledger {
         };
         let asked = format!("as asked, the picture reaches {} in {}", self.target, within(&seconds));
         // What is sure to be different, and without a bias.
-        let others = self.accounts[1..].iter().filter(|account| !account.is_biased());
-        let differing =
-            others.filter_map(|account| Some((account, account.efficiency.filter(|ratio| !ratio.spans(1.0))?)));
+        let others = self.accounts[1..].iter().filter(|account| !account.is_biased() && Self::is_in_sight(account));
+        let differing = others.filter_map(|account| Some((account, account.sooner.filter(|ratio| !ratio.spans(1.0))?)));
         let (sooner, later): (Vec<_>, Vec<_>) = differing.partition(|(_, ratio)| ratio.value > 1.0);
         let best = sooner.into_iter().max_by(|a, b| a.1.value.total_cmp(&b.1.value));
         let worst = later.into_iter().min_by(|a, b| a.1.value.total_cmp(&b.1.value));

@@ -50,6 +50,9 @@ fn command(region: Region, account: &Account, heading: &Heading<'_>) -> String {
     if heading.has_fresnel || level.choice == Some(Choice::Fresnel) {
         option("fresnel", &name_of(&level.integrator.fresnel));
     }
+    if heading.has_sampler || level.choice == Some(Choice::Sampler) {
+        option("sampler", &name_of(&level.integrator.sampler));
+    }
     if settings.precision != Precision::default() {
         option("precision", &name_of(&settings.precision));
     }

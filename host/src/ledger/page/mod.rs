@@ -32,6 +32,8 @@ pub struct Heading<'a> {
     pub has_max_bounces: bool,
     /// Whether it asks how dielectrics share light.
     pub has_fresnel: bool,
+    /// Whether it asks where the numbers of samples come from.
+    pub has_sampler: bool,
     /// How the scene's PNGs are made.
     pub tone: ToneMap,
     /// Seed of the first run.

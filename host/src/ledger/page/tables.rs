@@ -56,13 +56,15 @@ fn row(name: &str, cells: impl IntoIterator<Item = String>) -> String {
 type Figure = (&'static str, fn(&Run) -> f64);
 
 /// What the table of rungs tells of each run.
-const FIGURES: [Figure; 7] = [
+const FIGURES: [Figure; 9] = [
     ("relMSE", |run| run.figures.rel_mse),
     ("RMSE", |run| run.figures.mse.max(0.0).sqrt()),
     ("median error", |run| run.figures.percentiles[0]),
     ("99 % below", |run| run.figures.percentiles[2]),
     ("largest", |run| run.figures.largest),
     ("mean", |run| run.figures.mean),
+    ("FLIP of the crop", |run| run.flips.flip),
+    ("HDR-FLIP of the crop", |run| run.flips.hdr_flip),
     ("rays", |run| run.rays as f64),
 ];
 

@@ -61,7 +61,14 @@ fn measured() -> Ledger {
     let scene = crate::load::load_scene(&path).expect("a scene");
     let settings = RenderSettings { threads: 1, ..RenderSettings::of(&scene) };
     let order = Order {
-        vary: vec![Choice::LightSampling, Choice::Fresnel, Choice::MaxBounces, Choice::Accel, Choice::SphereTest],
+        vary: vec![
+            Choice::Sampler,
+            Choice::LightSampling,
+            Choice::Fresnel,
+            Choice::MaxBounces,
+            Choice::Accel,
+            Choice::SphereTest,
+        ],
         runs: 3,
         seconds: 0.3,
         target: Target { metric: Metric::RelMse, value: 0.01 },
@@ -77,6 +84,7 @@ fn page(ledger: &Ledger) -> String {
         whole: Region::whole(8, 6),
         has_max_bounces: false,
         has_fresnel: true,
+        has_sampler: false,
         tone: ToneMap::default(),
         seed: 1,
     };
@@ -151,7 +159,7 @@ fn the_page_is_whole_whatever_was_measured() {
     let ledger = measured();
     let page = check(&ledger, "as measured");
     assert!(page.contains("with light_sampling = &quot;hemisphere&quot; in [integrator]"));
-    assert!(page.contains("--max-bounces ") && page.contains("--accel box"));
+    assert!(page.contains("--max-bounces ") && page.contains("--accel box") && page.contains("--sampler sobol"));
     assert!(page.contains("some where/a &lt;scene&gt; &amp; &quot;more&quot;.toml"));
     assert!(page.len() < 3_000_000, "{}", page.len());
 
@@ -191,6 +199,27 @@ fn endless_intervals_and_better_than_the_reference_are_told_in_words() {
         }
     });
     check(&better, "better than the reference");
+}
+
+#[test]
+fn the_sentence_compares_times_that_are_sure_to_differ() {
+    let mut ledger = measured();
+    let times = |value: f64| Some(Ratio { value, interval: [0.9 * value, 1.1 * value] });
+    for account in &mut ledger.accounts {
+        account.bias = None;
+        account.to_target = times(1.0).zip(times(64.0)).map(|(seconds, spp)| [seconds, spp]);
+        // What each sample is worth is another question.
+        (account.sooner, account.efficiency) = (times(1.05), times(9.0));
+    }
+    let asked = "as asked, the picture reaches relMSE 0.01 in 1.00 s (900 ms to 1.10 s)";
+    assert_eq!(ledger.sentence(), format!("{asked}; no option that was varied changes that for sure"));
+    let [second, third, fourth] = [1, 2, 3].map(|at| ledger.accounts[at].name());
+    (ledger.accounts[1].sooner, ledger.accounts[2].sooner) = (times(1.4), times(2.0));
+    ledger.accounts[3].sooner = times(0.25);
+    assert_eq!(ledger.sentence(), format!("{asked}, 2.0x sooner with {third}, 4.0x later with {fourth}"));
+    // What is not seen to get there is not compared.
+    ledger.accounts[2].to_target = None;
+    assert_eq!(ledger.sentence(), format!("{asked}, 1.4x sooner with {second}, 4.0x later with {fourth}"));
 }
 
 #[test]
