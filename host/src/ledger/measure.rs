@@ -230,8 +230,9 @@ impl<'a> Course<'a> {
 /// The fewest samples that the last rung of a level has, where only its time matters and where its error does, too.
 const LEAST_SAMPLES: [u32; 2] = [4, 16];
 
-/// A level that needs so many times its share is left out.
-const TOO_LONG: f64 = 2.0;
+/// A level that needs so many times its share is left out. What takes twice as long as the scene as asked for, as f64 does
+/// or twice the bounces, is worth the wait.
+const TOO_LONG: f64 = 3.0;
 
 /// The share of the effort that a level gets.
 fn weight(level: &Level) -> f64 {
