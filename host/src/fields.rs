@@ -9,7 +9,7 @@
 //!
 //! For that, a field that has its number is rendered on as long as the other one waits for it: it must be able to promise
 //! at each look, whatever its own number is. Those samples do nothing but decide, and are thrown away. Were they kept, the
-//! number would be one that the field's own samples end.
+//! field's number would be the larger of both, and the other one's hangs on its own samples.
 //!
 //! What is told of the picture's error is made of its own samples, which decide nothing.
 
@@ -38,13 +38,13 @@ impl Fields {
     pub(crate) fn look(&mut self, spp: u32, halves: &[Film; 2], target: Target) -> Option<Outlook> {
         let fields = [0, 1].map(|parity| halves.each_ref().map(|half| rows(half, parity)));
         let outlook = |field| Outlook::of(field, target.metric);
-        let [even, odd] = [outlook(&fields[0])?, outlook(&fields[1])?];
+        let [even, odd] = [outlook(&fields[0]), outlook(&fields[1])];
         for ((ended, halves), other) in self.ended.iter_mut().zip(fields).zip([odd, even]) {
-            if ended.is_none() && other.most <= target.value {
+            if ended.is_none() && other.is_some_and(|other| other.most <= target.value) {
                 *ended = Some(Ended { spp, halves });
             }
         }
-        Some(if even.most > odd.most { even } else { odd })
+        even.zip(odd).map(|(even, odd)| if even.most > odd.most { even } else { odd })
     }
 
     /// Whether both have enough.
@@ -97,6 +97,7 @@ fn put_back(film: &mut Film, field: &Film, parity: u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ocellus_kernel::Pixel;
 
     /// Made-up halves of 16 x 16 pixels from row 3 on: `noise` of even rows and of odd ones.
     fn halves(spp: u32, noise: [f32; 2]) -> [Film; 2] {
@@ -158,6 +159,14 @@ mod tests {
             }
             assert_eq!(fields.spp(256)[0], 64);
         }
+        // Nor whether they are finite.
+        let mut fields = Fields::default();
+        for spp in [16, 32, 64, 128, 256] {
+            let mut halves = halves(spp, [0.1, 0.2]);
+            halves.each_mut().map(|half| half.pixels[16] = Pixel::EMPTY);
+            fields.look(spp, &halves, TARGET);
+        }
+        assert_eq!(fields.spp(256), [64, 256]);
     }
 
     #[test]
