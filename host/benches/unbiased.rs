@@ -112,10 +112,12 @@ fn main() -> ExitCode {
     let largest = |all: &[f64]| all.iter().map(|z| z.abs()).fold(0.0, f64::max);
     let limit = Normal::standard().inverse_cdf(1.0 - 0.5 * SIGNIFICANCE / tested.len() as f64);
     println!(
-        "\n{} means, the largest |z| is {:.2}; beyond {limit:.2} one of them is wrong, with a certainty of 99 %",
+        "\n{} means, the largest |z| is {:.2}; were all exact, one would be beyond {limit:.2} with a chance of 1 %",
         tested.len(),
         largest(&tested)
     );
+    let square = tested.iter().map(|z| z * z).sum::<f64>() / tested.len() as f64;
+    println!("the mean of z^2 is {square:.2}; 1 is expected");
     println!("stopping by itself, where it is no wonder: {:.2}", largest(&told));
     println!(
         "--unbiased follows {:.2} times the paths; {:.0} % of its pictures promise as much by their own samples, too",

@@ -163,7 +163,9 @@ mod tests {
         let mut fields = Fields::default();
         for spp in [16, 32, 64, 128, 256] {
             let mut halves = halves(spp, [0.1, 0.2]);
-            halves.each_mut().map(|half| half.pixels[16] = Pixel::EMPTY);
+            for half in &mut halves {
+                half.pixels[16] = Pixel::EMPTY;
+            }
             fields.look(spp, &halves, TARGET);
         }
         assert_eq!(fields.spp(256), [64, 256]);

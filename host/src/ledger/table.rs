@@ -125,10 +125,10 @@ impl Ledger {
         match account.to_target {
             Some([seconds, _]) if Self::is_in_sight(account) => {
                 let [low, high] = seconds.interval;
-                if high < TOO_VAGUE * low {
-                    format!("{} ({}..{})", brief(seconds.value), brief(low), brief(high))
-                } else {
+                if is_vague(&seconds) {
                     format!("about {}", brief(seconds.value))
+                } else {
+                    format!("{} ({}..{})", brief(seconds.value), brief(low), brief(high))
                 }
             }
             Some(_) => "far away".to_owned(),
@@ -197,9 +197,14 @@ impl Ledger {
             );
         };
         let asked = format!("as asked, the picture reaches {} in {}", self.target, within(&seconds));
-        // What is sure to be different, and without a bias.
-        let others = self.accounts[1..].iter().filter(|account| !account.is_biased() && Self::is_in_sight(account));
-        let differing = others.filter_map(|account| Some((account, account.sooner.filter(|ratio| !ratio.spans(1.0))?)));
+        // What is sure to be different, and without a bias. Of less than one sample nobody knows how long it takes.
+        let takes_a_sample = |account: &Account| account.to_target.is_some_and(|[_, spp]| spp.value >= 1.0);
+        let is_compared = |account: &&Account| {
+            !account.is_biased() && Self::is_in_sight(account) && [baseline, account].into_iter().all(takes_a_sample)
+        };
+        let is_sure = |ratio: &Ratio| !ratio.spans(1.0) && !is_vague(ratio);
+        let others = self.accounts[1..].iter().filter(is_compared);
+        let differing = others.filter_map(|account| Some((account, account.sooner.filter(is_sure)?)));
         let (sooner, later): (Vec<_>, Vec<_>) = differing.partition(|(_, ratio)| ratio.value > 1.0);
         let best = sooner.into_iter().max_by(|a, b| a.1.value.total_cmp(&b.1.value));
         let worst = later.into_iter().min_by(|a, b| a.1.value.total_cmp(&b.1.value));
@@ -232,13 +237,20 @@ fn wrapped(sentence: &str) -> String {
     text
 }
 
+/// Whether an interval says too little to be told.
+fn is_vague(ratio: &Ratio) -> bool {
+    let [low, high] = ratio.interval;
+    // So does a NaN.
+    !(high < TOO_VAGUE * low)
+}
+
 /// Seconds with their interval, for a sentence.
 fn within(seconds: &Ratio) -> String {
     let [low, high] = seconds.interval;
-    if high < TOO_VAGUE * low {
-        format!("{} ({} to {})", duration(seconds.value), duration(low), duration(high))
-    } else {
+    if is_vague(seconds) {
         format!("about {}", duration(seconds.value))
+    } else {
+        format!("{} ({} to {})", duration(seconds.value), duration(low), duration(high))
     }
 }
 

@@ -217,6 +217,10 @@ fn the_sentence_compares_times_that_are_sure_to_differ() {
     (ledger.accounts[1].sooner, ledger.accounts[2].sooner) = (times(1.4), times(2.0));
     ledger.accounts[3].sooner = times(0.25);
     assert_eq!(ledger.sentence(), format!("{asked}, 2.0x sooner with {third}, 4.0x later with {fourth}"));
+    // A target that less than a sample meets is no matter of time.
+    let mut at_once = ledger.clone();
+    at_once.accounts[2].to_target = times(1.0).zip(times(0.5)).map(|(seconds, spp)| [seconds, spp]);
+    assert_eq!(at_once.sentence(), format!("{asked}, 1.4x sooner with {second}, 4.0x later with {fourth}"));
     // What is not seen to get there is not compared.
     ledger.accounts[2].to_target = None;
     assert_eq!(ledger.sentence(), format!("{asked}, 1.4x sooner with {second}, 4.0x later with {fourth}"));
