@@ -221,17 +221,23 @@ struct Stopped {
 }
 
 fn stopped(scene: &SceneDescription, target: Target, first_seed: u64, unbiased: bool) -> Stopped {
-    // The runs themselves go side by side.
     let settings = RenderSettings { threads: 1, ..RenderSettings::of(scene) };
     let until = Until { target: Some(target), unbiased, seconds: None, spp: MOST_SAMPLES };
-    let run = |seed| {
+    let run = &|seed| {
         let mut scene = scene.clone();
         scene.integrator.seed = first_seed + seed;
         let promised = render_until(&scene, &settings, &until, &Unmonitored).expect("a fixture that can be rendered");
         let is_promised = promised.outlook.is_some_and(|outlook| outlook.most <= target.value);
         (mean_of(&promised.rendering.film), promised.rendering.work.paths as f64, is_promised)
     };
-    let runs: Vec<_> = (0..RUNS).into_par_iter().map(run).collect();
+    // Every run has a pool of its own. In a pool around them, a thread that waits for one would start the next.
+    let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get() as u64);
+    let share = RUNS.div_ceil(threads);
+    let runs: Vec<_> = std::thread::scope(|scope| {
+        let start = |first| scope.spawn(move || (first..RUNS.min(first + share)).map(run).collect::<Vec<_>>());
+        let workers: Vec<_> = (0..threads).map(|thread| start((thread * share).min(RUNS))).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("a run")).collect()
+    });
     Stopped {
         mean: Mean::of(&runs.iter().map(|run| run.0).collect::<Vec<_>>()),
         paths: runs.iter().map(|run| run.1).sum(),
