@@ -16,11 +16,11 @@ use ocellus::promise::{FIRST_LOOK, Outlook, Target, foreseen, next_look};
 use ocellus::render::{RenderSettings, Tracer, Unmonitored, with_tracer};
 
 const TARGETS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
-const SEEDS: u64 = 8;
+const SEEDS: u64 = 4;
 /// Pixels across, and about as many down.
-const WIDTH: u32 = 24;
+const WIDTH: u32 = 64;
 /// Trials that need more samples, or no more than the first look has, are left out, and counted.
-const MOST_SAMPLES: u32 = 2048;
+const MOST_SAMPLES: u32 = 1024;
 /// Samples of a reference, times those of the longest trial.
 const REFERENCE: u32 = 8;
 

@@ -36,10 +36,10 @@ const RISK: f64 = 0.05;
 /// Side of a tile in pixels: large enough to hold what a path's neighbours share, and small enough for many.
 const TILE: usize = 8;
 
-/// The number of samples per pixel at the look after the one at `spp`, halves of equal size: about a sixth more, so
+/// The number of samples per pixel at the look after the one at `spp`, halves of equal size: about a twelfth more, so
 /// that the last look is not far beyond need.
 pub fn next_look(spp: u32) -> u32 {
-    if spp < FIRST_LOOK { FIRST_LOOK } else { spp.saturating_add(2 * (spp / 12).max(1)) }
+    if spp < FIRST_LOOK { FIRST_LOOK } else { spp.saturating_add(2 * (spp / 24).max(1)) }
 }
 
 /// What the error of a picture is expected to be, and what it is at most, but for a chance of 5 %.
@@ -170,12 +170,12 @@ mod tests {
     use crate::film::Region;
 
     #[test]
-    fn looks_grow_by_a_sixth_and_split_in_halves() {
+    fn looks_grow_by_a_twelfth_and_split_in_halves() {
         let mut spp = 0;
         for _ in 0..80 {
             let next = next_look(spp);
             assert!(next > spp && next.is_multiple_of(2) && (next - spp).is_multiple_of(2));
-            assert!(spp < FIRST_LOOK || f64::from(next) <= 1.17 * f64::from(spp) + 2.0);
+            assert!(spp < FIRST_LOOK || f64::from(next) <= 1.09 * f64::from(spp) + 2.0);
             spp = next;
         }
     }
