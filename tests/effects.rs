@@ -285,6 +285,7 @@ impl<R: Real> Visit<R> for IsMissed {
                 12 => paths::<R, Without<12>>(view),
                 13 => paths::<R, Without<13>>(view),
                 14 => paths::<R, Without<14>>(view),
+                15 => paths::<R, Without<15>>(view),
                 bit => panic!("effect {bit} is new: give it a row"),
             };
             assert!(without != paths::<R, Everything>(view), "{name}: nothing changes without it");
