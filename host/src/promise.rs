@@ -9,7 +9,6 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::diff::{Metric, REL_MSE_EPSILON};
 use crate::film::Film;
-use crate::ledger::estimate::Line;
 use ocellus_kernel::Pixel;
 
 /// An error to reach.
@@ -90,17 +89,12 @@ impl Outlook {
     }
 }
 
-/// At how many samples per pixel the target will be met, by the looks so far: along the line through those of the last
-/// two doublings. `None` before the first look.
-pub fn foreseen(looks: &[(u32, Outlook)], target: Target) -> Option<f64> {
-    let (last, outlook) = *looks.last()?;
-    let log = |spp: u32| libm::log(f64::from(spp));
-    let recent = looks.iter().filter(|(spp, _)| 4 * u64::from(*spp) >= u64::from(last));
-    let points: Vec<_> = recent.map(|(spp, outlook)| [log(*spp), libm::log(outlook.most)]).collect();
-    // The square of an error falls as the number of samples grows; what few looks say beyond that is chance.
-    let usual = if target.metric == Metric::Rmse { -0.5 } else { -1.0 };
-    let slope = Line::through(&points).map_or(usual, |line| line.slope.clamp(1.5 * usual, 0.75 * usual));
-    Some(libm::exp(log(last) + (libm::log(target.value) - libm::log(outlook.most)) / slope))
+/// At how many samples per pixel the target will be met, by the last look: squared errors fall as the number of samples
+/// grows. Half of what the picture may stray counts, since of rare samples more make its error surer.
+pub fn foreseen(spp: u32, outlook: Outlook, target: Target) -> f64 {
+    let halfway = 0.5 * (outlook.expected + outlook.most);
+    let ratio = halfway / target.value;
+    f64::from(spp) * if target.metric == Metric::Rmse { ratio * ratio } else { ratio }
 }
 
 /// The squared error to expect of a pixel's mean.
@@ -182,19 +176,10 @@ mod tests {
 
     #[test]
     fn what_falls_evenly_is_foreseen() {
-        let target = Target { metric: Metric::RelMse, value: 0.01 };
-        let at = |spp: u32, power: f64| {
-            let most = 0.5 * libm::pow(f64::from(spp) / 16.0, power);
-            (spp, Outlook { expected: 0.9 * most, most })
-        };
-        for (power, expected) in [(-1.0, 800.0), (-1.2, 16.0 * libm::pow(50.0, 1.0 / 1.2))] {
-            let looks: Vec<_> = [16, 20, 30, 40, 60].map(|spp| at(spp, power)).into();
-            let found = foreseen(&looks, target).expect("there were looks");
-            assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        for (metric, spp) in [(Metric::RelMse, 800.0), (Metric::Rmse, 40_000.0)] {
+            let target = Target { metric, value: 0.01 };
+            assert!((foreseen(16, Outlook { expected: 0.4, most: 0.6 }, target) - spp).abs() < 1e-9);
         }
-        // One look has no slope of its own, and none gives nothing.
-        assert!((foreseen(&[at(16, 0.0)], target).expect("a look") - 800.0).abs() < 1e-9);
-        assert_eq!(foreseen(&[], target), None);
     }
 
     /// Made-up pictures with errors that are known: even noise, and noise that few pixels have.

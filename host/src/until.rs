@@ -123,7 +123,8 @@ impl Course<'_> {
 
     /// At how many samples the target will be met.
     fn foreseen(&self, until: &Until) -> Option<f64> {
-        until.target.and_then(|target| foreseen(&self.looks, target))
+        let (spp, outlook) = *self.looks.last()?;
+        Some(foreseen(spp, outlook, until.target?))
     }
 
     /// How far it is, and how long it may still take.
