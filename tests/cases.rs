@@ -287,7 +287,11 @@ const CASES: &[Case] = &[
     case(
         "A10",
         "depth and roulette",
-        &["closed_forms::roulette_keeps_the_mean", "closed_forms::bounces_are_counted_as_documented"],
+        &[
+            "closed_forms::roulette_keeps_the_mean",
+            "closed_forms::aim_keeps_the_mean",
+            "closed_forms::bounces_are_counted_as_documented",
+        ],
         "",
     ),
     case("A11", "radiance in glass", &["furnace::the_centre_of_a_glass_ball_sees_the_furnace"], ""),

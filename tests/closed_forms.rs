@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 
 use ocellus_kernel::camera::CameraSettings;
+use ocellus_kernel::light::LightSampling;
 use ocellus_kernel::path::PathOptions;
 use ocellus_kernel::real::{Real, Vector};
 use ocellus_kernel::{Everything, View};
@@ -21,6 +22,7 @@ in_both_precisions!(
     a_point_light_over_a_plane_falls_with_cosine_and_square,
     walls_stop_light_and_open_air_does_not,
     roulette_keeps_the_mean,
+    aim_keeps_the_mean,
     bounces_are_counted_as_documented,
     indirect_off_leaves_direct_light,
 );
@@ -195,6 +197,55 @@ fn roulette_keeps_the_mean<R: Real>() {
     };
     measure(Some(1)).assert_same_mean("hall", &measure(None));
     Trials::passed::<R>("A10", "mean with roulette", 1);
+}
+
+/// Directions are aimed at spheres wherever they are, and weighed for it: the mean stays.
+fn aim_keeps_the_mean<R: Real>() {
+    let aimed = |mut scene: OwnedScene<R>| {
+        // Two that overlap, one around where paths start and one that walls cut.
+        scene.aim([0.3, 0.2, 0.1], 0.2, 1.0);
+        scene.aim([0.4, 0.3, 0.0], 0.3, 0.3);
+        scene.aim([0.0; 3], 0.5, 1.0);
+        scene.aim([0.0, -0.9, 0.3], 0.4, 0.1);
+        scene
+    };
+    let mut ball = OwnedScene::<R>::default();
+    let wall = ball.diffuse(0.4, EMISSION);
+    ball.sphere([0.0; 3], 1.0, wall);
+    let ball = aimed(ball);
+    for (roulette_after, bounces) in [(None, 1), (None, 6), (Some(0), 6)] {
+        let on = PathOptions { aim: true, roulette_after, ..options(bounces) };
+        let mut moments = Moments::default();
+        with_view(&ball, &INSIDE, &on, |view| {
+            each_path::<R, Everything>(view, 4000, &mut |radiance| moments.add(radiance[0]));
+        });
+        let expected = EMISSION * series(0.4, bounces);
+        moments.assert_mean("closed sphere", expected, tolerance::PER_BOUNCE * u::<R>() * f64::from(bounces));
+        moments.assert_precise("closed sphere", tolerance::ROULETTE);
+        assert!(moments.spread() > 0.0, "no direction was aimed");
+    }
+
+    // A hall with a lamp that paths find by themselves, and a ball of glass: on against off.
+    let mut hall = OwnedScene::<R>::default();
+    let (wall, glass) = (hall.diffuse(0.6, 0.0), hall.glass(1.5, 1.0, [1.0; 3]));
+    hall.mesh(&cube(1).inside_out(), wall);
+    hall.sphere([-0.3, -0.4, 0.2], 0.3, glass);
+    hall.sphere_light([0.2, 0.6, 0.1], 0.2, EMISSION);
+    hall.aim([-0.3, -0.4, 0.2], 0.3, 0.2);
+    hall.aim([0.2, 0.6, 0.1], 0.2, 1.0);
+    for (light_sampling, share) in [(LightSampling::None, 0.9), (LightSampling::Cone, f64::INFINITY)] {
+        let measure = |aim| {
+            let mut moments = Moments::default();
+            with_view(&hall, &INSIDE, &PathOptions { aim, light_sampling, ..options(6) }, |view| {
+                each_path::<R, Everything>(view, 1000, &mut |radiance| moments.add(radiance[1]));
+            });
+            moments
+        };
+        let (with, without) = (measure(true), measure(false));
+        with.assert_same_mean("hall", &without);
+        assert!(with.relative_error() < share * without.relative_error(), "aim finds no more of the light");
+    }
+    Trials::passed::<R>("A10", "mean with aim", 1);
 }
 
 /// 0 bounces show emitters only, 1 direct light; a light reached after the last bounce still counts.

@@ -49,6 +49,7 @@ kernels! {
     Sky = TRIANGLES | BACKGROUND | INDIRECT;
     Indirect = TRIANGLES | POINT_LIGHT | INDIRECT;
     Roulette = SPHERES | EMISSION | INDIRECT | ROULETTE;
+    Aim = SPHERES | TRIANGLES | SPHERE_LIGHT | EMISSION | INDIRECT | AIM;
     Lens = TRIANGLES | POINT_LIGHT | LENS;
     Filtered = TRIANGLES | POINT_LIGHT | FILTER;
     Sobol = TRIANGLES | POINT_LIGHT | INDIRECT | SOBOL;
@@ -69,6 +70,7 @@ const DIRECT: PathOptions = PathOptions {
     light_sampling: LightSampling::Cone,
     fresnel: ocellus_kernel::material::Fresnel::Exact,
     roulette_after: None,
+    aim: false,
     sampler: SamplerKind::Independent,
     seed: 77,
 };
@@ -161,10 +163,17 @@ pub(crate) fn all<R: Real>() -> Case<R> {
         attributes.uvs = None;
     }
     scene.sphere_light([1.0, 1.5, 0.5], 0.3, 20.0);
+    scene.aim([0.8, -0.4, 0.6], 0.5, 0.3);
     Case {
         scene,
         settings: CameraSettings { aperture_radius: 0.1, filter: Filter::Gaussian(0.5), ..CAMERA },
-        options: PathOptions { indirect: true, roulette_after: Some(1), sampler: SamplerKind::Sobol, ..DIRECT },
+        options: PathOptions {
+            indirect: true,
+            roulette_after: Some(1),
+            aim: true,
+            sampler: SamplerKind::Sobol,
+            ..DIRECT
+        },
     }
 }
 
@@ -197,6 +206,11 @@ fn for_each_case<R: Real>(mut visitor: impl Visit<R>) {
     let roulette = PathOptions { indirect: true, roulette_after: Some(0), ..DIRECT };
     let case = Case { options: roulette, ..direct(balls()) };
     visitor.visit::<Roulette>(Effects::ROULETTE, &case);
+    let mut aimed = emitters();
+    aimed.aim([0.3, 0.0, 0.0], 0.7, 1.0);
+    aimed.sphere_light([1.0, 1.5, 0.5], 0.3, 20.0);
+    let aim = PathOptions { indirect: true, aim: true, ..DIRECT };
+    visitor.visit::<Aim>(Effects::AIM, &Case { options: aim, ..direct(aimed) });
     let lens = CameraSettings { aperture_radius: 0.2, focal_distance: 4.0, ..CAMERA };
     visitor.visit::<Lens>(Effects::LENS, &Case { settings: lens, ..direct(corner()) });
     let sobol = PathOptions { indirect: true, sampler: SamplerKind::Sobol, ..DIRECT };
@@ -271,6 +285,7 @@ impl<R: Real> Visit<R> for IsMissed {
                 12 => paths::<R, Without<12>>(view),
                 13 => paths::<R, Without<13>>(view),
                 14 => paths::<R, Without<14>>(view),
+                15 => paths::<R, Without<15>>(view),
                 bit => panic!("effect {bit} is new: give it a row"),
             };
             assert!(without != paths::<R, Everything>(view), "{name}: nothing changes without it");

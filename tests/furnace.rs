@@ -83,6 +83,7 @@ const LONG: PathOptions = PathOptions {
     light_sampling: ocellus_kernel::light::LightSampling::Cone,
     fresnel: Fresnel::Exact,
     roulette_after: None,
+    aim: false,
     sampler: ocellus_kernel::SamplerKind::Independent,
     seed: 3,
 };

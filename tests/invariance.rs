@@ -230,6 +230,7 @@ fn hash_from_stack<R: Real>(view: &View<'_, R>) -> u64 {
         materials: scene.materials(),
         textures: scene.textures(),
         lights: scene.lights(),
+        aims: scene.aims(),
         background: scene.background(),
     });
     hash(&View { scene: &scene.expect("the same scene"), ..*view })

@@ -15,7 +15,7 @@ use ocellus::kernels::{ALTERNATIVES, Row, TABLE, TableReal};
 use crate::support::trials::Trials;
 
 /// Source files and functions that code can come from, by the effect that they belong to.
-const TRACES: [(&str, &str); 10] = [
+const TRACES: [(&str, &str); 11] = [
     ("glass", "kernel/src/material/dielectric.rs"),
     ("glass", "kernel/src/material/fresnel.rs"),
     ("mirror", "kernel/src/material/mirror.rs"),
@@ -26,6 +26,7 @@ const TRACES: [(&str, &str); 10] = [
     ("lens", "kernel/src/warp.rs disk"),
     ("filter", "kernel/src/warp.rs gaussian"),
     ("sobol", "kernel/src/sampler/sobol.rs"),
+    ("aim", "kernel/src/aim.rs"),
 ];
 
 /// This program, as its file says it.

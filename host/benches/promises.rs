@@ -16,11 +16,11 @@ use ocellus::promise::{FIRST_LOOK, Outlook, Target, foreseen, next_look};
 use ocellus::render::{RenderSettings, Tracer, Unmonitored, with_tracer};
 
 const TARGETS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
-const SEEDS: u64 = 8;
+const SEEDS: u64 = 6;
 /// Pixels across, and about as many down.
-const WIDTH: u32 = 24;
+const WIDTH: u32 = 64;
 /// Trials that need more samples, or no more than the first look has, are left out, and counted.
-const MOST_SAMPLES: u32 = 2048;
+const MOST_SAMPLES: u32 = 1024;
 /// Samples of a reference, times those of the longest trial.
 const REFERENCE: u32 = 8;
 
@@ -164,9 +164,8 @@ fn trial(looks: &[(u32, Outlook, f64)], target: f64) -> Option<Trial> {
         .iter()
         .rposition(|(.., error)| *error > target)
         .map_or(FIRST_LOOK, |last| looks.get(last + 1).map_or(MOST_SAMPLES, |look| look.0));
-    let known: Vec<_> =
-        looks.iter().filter(|(spp, ..)| 10 * spp <= took).map(|(spp, outlook, _)| (*spp, *outlook)).collect();
     let target_of = Target { metric: Metric::RelMse, value: target };
-    let foreseen = foreseen(&known, target_of).map(|spp| spp / f64::from(took));
+    let known = looks.iter().rev().find(|(spp, ..)| 10 * spp <= took);
+    let foreseen = known.map(|(spp, outlook, _)| foreseen(*spp, *outlook, target_of) / f64::from(took));
     Some(Trial { kept: error <= target, excess: f64::from(took) / f64::from(needed), foreseen })
 }

@@ -42,7 +42,7 @@ const MOST_SAMPLES: u32 = 512;
 const SIGNIFICANCE: f64 = 0.01;
 
 /// What runs are varied in.
-const VARIED: [Choice; 4] = [Choice::Sampler, Choice::LightSampling, Choice::Roulette, Choice::Precision];
+const VARIED: [Choice; 5] = [Choice::Sampler, Choice::LightSampling, Choice::Roulette, Choice::Aim, Choice::Precision];
 
 /// The mean of runs, and its standard error.
 #[derive(Clone, Copy)]
@@ -170,7 +170,8 @@ fn of_another_kind(scene: &SceneDescription) -> IntegratorDescription {
     use LightSamplingDescription::{Cone, Hemisphere};
     let light_sampling = if scene.integrator.light_sampling == Cone { Hemisphere } else { Cone };
     let sampler = SamplerDescription::Sobol;
-    IntegratorDescription { light_sampling, sampler, roulette_after: None, ..scene.integrator.clone() }
+    let aim = !scene.integrator.aim;
+    IntegratorDescription { light_sampling, sampler, aim, roulette_after: None, ..scene.integrator.clone() }
 }
 
 /// The mean of the picture of each seed.

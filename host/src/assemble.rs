@@ -4,6 +4,7 @@ use std::fmt;
 use std::time::Instant;
 
 use glam::{DMat3, DVec3};
+use ocellus_kernel::aim::Aim;
 use ocellus_kernel::bvh::{Bvh, Structure};
 use ocellus_kernel::camera::{Camera, CameraSettings, Filter};
 use ocellus_kernel::light::{Light, LightSampling, PointLight, SphereLight};
@@ -16,6 +17,7 @@ use ocellus_kernel::shape::{Geometry, Sphere, TriangleAttributes};
 use ocellus_kernel::texture::Texture;
 use ocellus_kernel::view::View;
 
+use crate::aims::{AimDescription, aims};
 use crate::description::{
     FilterDescription, FresnelDescription, IntegratorDescription, LightDescription, LightSamplingDescription,
     MaterialDescription, MeshDescription, SamplerDescription, ScatteringDescription, SceneDescription,
@@ -70,6 +72,7 @@ struct Arrays<R: Real> {
     uvs: Vec<[R; 2]>,
     materials: Vec<Material<R>>,
     lights: Vec<Light<R>>,
+    aims: Vec<Aim<R>>,
 }
 
 /// Builds the scene and its view in precision `R` and hands them to `work`; they live as long as it runs.
@@ -118,6 +121,7 @@ pub fn with_view<R: Real, T>(
         materials: &arrays.materials,
         textures: &textures,
         lights: &arrays.lights,
+        aims: &arrays.aims,
         background: vec3::<R>(description.integrator.background),
     })
     .map_err(|error| unusable(error.to_string()))?;
@@ -152,6 +156,7 @@ impl<R: Real> Arrays<R> {
             uvs: Vec::new(),
             materials: description.materials.iter().map(material).collect(),
             lights: Vec::new(),
+            aims: aims(description).iter().map(aim).collect(),
         };
         for sphere in &description.spheres {
             arrays.spheres.push(Sphere {
@@ -236,6 +241,7 @@ impl<R: Real> Arrays<R> {
             + size_of_val(self.uvs.as_slice())
             + size_of_val(self.materials.as_slice())
             + size_of_val(self.lights.as_slice())
+            + size_of_val(self.aims.as_slice())
     }
 }
 
@@ -268,6 +274,10 @@ fn material<R: Real>(description: &MaterialDescription) -> Material<R> {
         }
     };
     Material { scattering, emission: vec3::<R>(description.emission) }
+}
+
+fn aim<R: Real>(aim: &AimDescription) -> Aim<R> {
+    Aim { center: vec3::<R>(aim.center), radius: R::from_f64(aim.radius), worth: R::from_f64(aim.worth) }
 }
 
 fn camera_settings(description: &SceneDescription) -> CameraSettings {
@@ -307,6 +317,7 @@ pub fn path_options(integrator: &IntegratorDescription) -> PathOptions {
             FresnelDescription::Exact => Fresnel::Exact,
         },
         roulette_after: integrator.roulette_after,
+        aim: integrator.aim,
         sampler: match integrator.sampler {
             SamplerDescription::Independent => SamplerKind::Independent,
             SamplerDescription::Sobol => SamplerKind::Sobol,

@@ -86,6 +86,9 @@ pub fn demands(scene: &SceneDescription) -> Vec<Demand> {
     if integrator.roulette_after.is_some() {
         ask(Effects::ROULETTE, &integrator.roulette_origin);
     }
+    if integrator.aim {
+        ask(Effects::AIM, &integrator.aim_origin);
+    }
     if integrator.sampler == SamplerDescription::Sobol {
         ask(Effects::SOBOL, &integrator.sampler_origin);
     }

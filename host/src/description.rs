@@ -145,6 +145,10 @@ pub struct IntegratorDescription {
     pub roulette_after: Option<u32>,
     /// Line that set `roulette_after`.
     pub roulette_origin: Origin,
+    /// Whether some diffuse directions go to lights behind glass, to what emits, and to what gathers light.
+    pub aim: bool,
+    /// Line that set `aim`.
+    pub aim_origin: Origin,
     /// Radiance of the surroundings, linear Rec.709.
     pub background: DVec3,
     /// Line that set `background`.

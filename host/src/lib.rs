@@ -5,6 +5,7 @@
 //! all threads into a [`film::Film`]; [`output`] writes pictures. [`commands`] is the program's face.
 
 pub mod accuracy;
+mod aims;
 pub mod assemble;
 pub mod audit;
 pub mod cli;

@@ -147,7 +147,8 @@ impl Course<'_> {
 
     /// At how many samples the target will be met.
     fn foreseen(&self, until: &Until) -> Option<f64> {
-        until.target.and_then(|target| foreseen(&self.looks, target))
+        let (spp, outlook) = *self.looks.last()?;
+        Some(foreseen(spp, outlook, until.target?))
     }
 
     /// How far it is, and how long it may still take.
@@ -169,7 +170,7 @@ impl Course<'_> {
             let [even, odd] = fields.spp(self.spp);
             (spp, odd_rows_end) = (even, Some(odd));
             outlook = fields.finish(&mut self.halves, target.metric);
-            foreseen_spp = outlook.and_then(|outlook| foreseen(&[(even, outlook)], target));
+            foreseen_spp = outlook.map(|outlook| foreseen(even, outlook, target));
         }
         let seconds = self.start.elapsed().as_secs_f64();
         let [mut film, other] = self.halves;

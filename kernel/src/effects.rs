@@ -17,6 +17,7 @@
 //! | `LENS` | a camera with an aperture | `camera` | a point on the lens per path |
 //! | `FILTER` | a tent or Gaussian pixel filter | `camera` | square roots (and a logarithm) per path |
 //! | `SOBOL` | `PathOptions::sampler` | `sampler::sobol`, called by `view` | about 60 instructions per four numbers |
+//! | `AIM` | `PathOptions::aim` | `aim`, called by `path` | two cones per diffuse bounce and object aimed at |
 //!
 //! A kernel is compiled for a set of them, an [`EffectSet`]. An effect outside of the set leaves no code behind; a
 //! scene must only be given to a kernel whose set contains the scene's own ([`crate::View::required_effects`]).
@@ -55,6 +56,7 @@ effects! {
     12 LENS "lens" "A lens of finite aperture.";
     13 FILTER "filter" "Tent or Gaussian pixel reconstruction.";
     14 SOBOL "sobol" "Sample numbers that avoid each other.";
+    15 AIM "aim" "Diffuse directions that aim at light and what gathers it.";
 }
 
 impl Effects {

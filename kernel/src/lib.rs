@@ -25,6 +25,7 @@
 #![forbid(unsafe_code)]
 
 pub mod accuracy;
+pub mod aim;
 pub mod bvh;
 pub mod camera;
 mod clearance;
@@ -50,6 +51,7 @@ pub mod view;
 pub mod warp;
 
 pub use accuracy::Accuracy;
+pub use aim::Aim;
 pub use camera::{Camera, CameraSettings, Filter};
 pub use effects::{EffectSet, Effects, Everything};
 pub use film::{ImageHash, Pixel};

@@ -1,5 +1,6 @@
 //! The whole path loop.
 
+use crate::aim;
 use crate::departure::{Arrival, Departure};
 use crate::effects::{EffectSet, Effects};
 use crate::light::{self, LightSampling};
@@ -22,8 +23,11 @@ pub struct PathOptions {
     pub light_sampling: LightSampling,
     /// How dielectrics share light between reflection and refraction.
     pub fresnel: Fresnel,
-    /// Paths may end at random, unbiased, after any scattering event but the first so many; `None` never.
+    /// Paths that carry little may end at random, unbiased, after any scattering event but the first so many; `None`
+    /// never.
     pub roulette_after: Option<u32>,
+    /// Whether some diffuse directions go to [`crate::SceneParts::aims`].
+    pub aim: bool,
     /// How the numbers of the samples of one pixel relate to each other, where the kernel makes them itself.
     pub sampler: SamplerKind,
     /// Seed of the sample numbers.
@@ -38,6 +42,7 @@ impl Default for PathOptions {
             light_sampling: LightSampling::Cone,
             fresnel: Fresnel::Exact,
             roulette_after: None,
+            aim: false,
             sampler: SamplerKind::Independent,
             seed: 0,
         }
@@ -49,7 +54,8 @@ impl PathOptions {
     pub fn required_effects(&self) -> Effects {
         let roulette = Effects::ROULETTE.when(self.roulette_after.is_some());
         let sobol = Effects::SOBOL.when(self.sampler == SamplerKind::Sobol);
-        Effects::INDIRECT.when(self.indirect).union(roulette).union(sobol)
+        let aim = Effects::AIM.when(self.aim);
+        Effects::INDIRECT.when(self.indirect).union(roulette).union(sobol).union(aim)
     }
 }
 
@@ -73,6 +79,8 @@ pub fn radiance<R: Real, E: EffectSet>(
     let (mut radiance, mut throughput, mut rays) = (Vec3::<R>::ZERO, Vec3::<R>::ONE, 0);
     // Whether a sampled light that the ray meets has yet to be counted: not after a diffuse bounce.
     let mut sees_lights = true;
+    // What aiming has made of the throughput: roulette leaves it out, or it would end just the paths that were aimed.
+    let mut odds = R::ONE;
     let mut departure = Departure::exactly(ray.origin);
     for bounce in 0..=options.max_bounces {
         if bounce == options.max_bounces && !last_segment_counts(scene, sees_lights) {
@@ -126,8 +134,16 @@ pub fn radiance<R: Real, E: EffectSet>(
                 if !(const { E::EFFECTS.contains(Effects::INDIRECT) } && options.indirect) {
                     break;
                 }
-                let [u, v] = [numbers[0], numbers[1]].map(R::from_unit_bits);
-                match diffuse::sample(&facing, albedo, u, v) {
+                let sample = if const { E::EFFECTS.contains(Effects::AIM) } && options.aim {
+                    aim::sample(scene.aims(), &point, &facing, albedo, numbers).map(|(sample, weight)| {
+                        odds = odds * weight;
+                        sample
+                    })
+                } else {
+                    let [u, v] = [numbers[0], numbers[1]].map(R::from_unit_bits);
+                    diffuse::sample(&facing, albedo, u, v)
+                };
+                match sample {
                     Some(sample) => sample,
                     None => break,
                 }
@@ -138,8 +154,8 @@ pub fn radiance<R: Real, E: EffectSet>(
         if const { E::EFFECTS.contains(Effects::ROULETTE) }
             && options.roulette_after.is_some_and(|after| bounce >= after)
         {
-            match survive::<R>(throughput, numbers[3]) {
-                Some(compensated) => throughput = compensated,
+            match survival::<R>(throughput * (R::ONE / odds), numbers[3]) {
+                Some(worth) => throughput = throughput * worth,
                 None => break,
             }
         }
@@ -170,17 +186,20 @@ fn albedo<R: Real, E: EffectSet>(scene: &Scene<'_, R>, point: &SurfacePoint<R>, 
     }
 }
 
-/// Roulette: the path lives with the probability of its largest throughput (at least 1/20, so that no weight grows
-/// beyond 20), and what lives is worth more in turn. Unbiased.
+/// Below this throughput paths may end: above it they are worth their time, since ending them adds noise.
+const ROULETTE_BELOW: f64 = 0.25;
+
+/// Roulette: a path whose largest throughput is below [`ROULETTE_BELOW`] lives with the probability of their ratio (at
+/// least 1/20, so that no weight grows beyond 20 times), and what lives is worth more in turn. Unbiased.
 #[inline]
-fn survive<R: Real>(throughput: Vec3<R>, number: u32) -> Option<Vec3<R>> {
+fn survival<R: Real>(throughput: Vec3<R>, number: u32) -> Option<R> {
     let least = R::from_f64(0.05);
-    let largest = throughput.max_component();
-    let probability = if largest > least { largest } else { least };
+    let ratio = throughput.max_component() * R::from_f64(1.0 / ROULETTE_BELOW);
+    let probability = if ratio > least { ratio } else { least };
     if probability >= R::ONE {
-        Some(throughput)
+        Some(R::ONE)
     } else if R::from_unit_bits(number) < probability {
-        Some(throughput * (R::ONE / probability))
+        Some(R::ONE / probability)
     } else {
         None
     }

@@ -1,5 +1,6 @@
 //! A scene: borrowed slices, checked once.
 
+use crate::aim::Aim;
 use crate::bvh::{self, Bvh};
 use crate::departure::Departure;
 use crate::effects::{EffectSet, Effects, Everything};
@@ -31,6 +32,8 @@ pub struct SceneParts<'a, R: Real> {
     pub textures: &'a [Texture<'a>],
     /// Lights that are sampled.
     pub lights: &'a [Light<R>],
+    /// What diffuse surfaces may aim at; few, since each takes time at each bounce.
+    pub aims: &'a [Aim<R>],
     /// Radiance from everywhere behind the scene, linear Rec.709.
     pub background: Vec3<R>,
 }
@@ -104,6 +107,12 @@ impl<'a, R: Real> Scene<'a, R> {
     #[inline]
     pub fn lights(&self) -> &'a [Light<R>] {
         self.parts.lights
+    }
+
+    /// What diffuse surfaces may aim at.
+    #[inline]
+    pub fn aims(&self) -> &'a [Aim<R>] {
+        self.parts.aims
     }
 
     /// Radiance from everywhere behind the scene.

@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::run::{Folder, Outcome, fixture_scenes, program, repository};
 
 /// What must stand in the block of lines that asks for an effect.
-const WORDS: [(&str, &[&str]); 15] = [
+const WORDS: [(&str, &[&str]); 16] = [
     ("spheres", &["center"]),
     ("triangles", &["[[meshes]]"]),
     ("smooth-normals", &["vn "]),
@@ -20,6 +20,7 @@ const WORDS: [(&str, &[&str]); 15] = [
     ("background", &["background"]),
     ("indirect", &["indirect", "[integrator]"]),
     ("roulette", &["roulette_after"]),
+    ("aim", &["aim"]),
     ("lens", &["aperture_radius"]),
     ("filter", &["filter"]),
     ("sobol", &["sampler"]),

@@ -9,7 +9,7 @@ use ocellus_kernel::path::PathOptions;
 use ocellus_kernel::real::{Real, Vec3, Vector, vec3_from_f64};
 use ocellus_kernel::shape::{Geometry, Sphere, SphereQuad, TriangleAttributes, TriangleQuad};
 use ocellus_kernel::texture::Texture;
-use ocellus_kernel::{EffectSet, Pixel, Ray, Scene, SceneParts, View};
+use ocellus_kernel::{Aim, EffectSet, Pixel, Ray, Scene, SceneParts, View};
 
 use super::meshes::Mesh;
 
@@ -38,6 +38,7 @@ pub(crate) struct OwnedScene<R: Real> {
     pub(crate) materials: Vec<Material<R>>,
     pub(crate) textures: Vec<Texture<'static>>,
     pub(crate) lights: Vec<Light<R>>,
+    pub(crate) aims: Vec<Aim<R>>,
     pub(crate) background: [f64; 3],
 }
 
@@ -92,6 +93,12 @@ impl<R: Real> OwnedScene<R> {
         self.lights.push(Light::Sphere(SphereLight { sphere }));
     }
 
+    /// Adds a sphere to aim at.
+    pub(crate) fn aim(&mut self, center: [f64; 3], radius: f64, worth: f64) {
+        let [radius, worth] = [radius, worth].map(R::from_f64);
+        self.aims.push(Aim { center: v::<R>(center), radius, worth });
+    }
+
     /// The primitives.
     pub(crate) fn geometry(&self) -> Geometry<'_, R> {
         Geometry::new(&self.spheres, &self.positions, &self.triangles).expect("a valid geometry")
@@ -108,6 +115,7 @@ impl<R: Real> OwnedScene<R> {
             materials: &self.materials,
             textures: &self.textures,
             lights: &self.lights,
+            aims: &self.aims,
             background: v::<R>(self.background),
         }
     }

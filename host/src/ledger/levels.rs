@@ -4,6 +4,7 @@ use std::fmt;
 
 use ocellus_kernel::accuracy::{RayOffset, SlabTest, SphereTest, TriangleTest};
 
+use crate::aims::aims;
 use crate::assemble::Accel;
 use crate::description::{
     FresnelDescription, IntegratorDescription, LightDescription, LightSamplingDescription, SamplerDescription,
@@ -26,6 +27,8 @@ pub enum Choice {
     MaxBounces,
     /// Paths that end at random.
     Roulette,
+    /// Diffuse directions that aim at light and what gathers it.
+    Aim,
     /// f32 and f64.
     Precision,
     /// How rays are tested against triangles.
@@ -46,12 +49,13 @@ pub enum Choice {
 
 impl Choice {
     /// All there are.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Sampler,
         Self::LightSampling,
         Self::Fresnel,
         Self::MaxBounces,
         Self::Roulette,
+        Self::Aim,
         Self::Precision,
         Self::TriangleTest,
         Self::SlabTest,
@@ -63,12 +67,13 @@ impl Choice {
     ];
 
     /// What is varied where nothing is named: what is most often asked.
-    pub const USUAL: [Self; 9] = [
+    pub const USUAL: [Self; 10] = [
         Self::Sampler,
         Self::LightSampling,
         Self::Fresnel,
         Self::MaxBounces,
         Self::Roulette,
+        Self::Aim,
         Self::Precision,
         Self::RayOffset,
         Self::Accel,
@@ -89,6 +94,7 @@ impl fmt::Display for Choice {
             Self::Fresnel => "fresnel",
             Self::MaxBounces => "max-bounces",
             Self::Roulette => "roulette",
+            Self::Aim => "aim",
             Self::Precision => "precision",
             Self::TriangleTest => "triangle-test",
             Self::SlabTest => "slab-test",
@@ -196,6 +202,11 @@ impl Made {
             Choice::Roulette if integrator.max_bounces > 1 && integrator.indirect => {
                 self.each(choice, integrator.roulette_after, [(None, "off"), (Some(1), "after 1")], |level, value| {
                     level.integrator.roulette_after = value;
+                });
+            }
+            Choice::Aim if integrator.indirect && !aims(scene).is_empty() => {
+                self.each(choice, integrator.aim, [(false, "off"), (true, "on")], |level, value| {
+                    level.integrator.aim = value;
                 });
             }
             Choice::Precision => {

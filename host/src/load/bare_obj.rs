@@ -120,6 +120,8 @@ fn integrator(origin: &Origin) -> IntegratorDescription {
         fresnel: FresnelDescription::Exact,
         roulette_after: None,
         roulette_origin: origin.clone(),
+        aim: false,
+        aim_origin: origin.clone(),
         background: DVec3::ZERO,
         background_origin: origin.clone(),
         sampler: SamplerDescription::Independent,

@@ -6,7 +6,7 @@
 //!
 //! | block | camera | surface |
 //! |---|---|---|
-//! | [`Block::Scatter`] | film x, film y, lens, lens | direction, direction, reflect or refract, roulette |
+//! | [`Block::Scatter`] | film x, film y, lens, lens | direction, direction, reflect or refract (glass) or whether to aim (diffuse), roulette |
 //! | [`Block::Light`] | - | point on the light, point on the light, two that wait for use |
 //!
 //! How the numbers of the samples of one pixel relate to each other is a choice, [`SamplerKind`].
@@ -52,7 +52,8 @@ pub enum SamplerKind {
 /// The kernel's own numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct AddressedSampler {
-    kind: SamplerKind,
+    /// Where Sobol's numbers of the pixel are; `None` for independent ones.
+    place: Option<sobol::Place>,
     /// The seed, low half first.
     key: [u32; 2],
     /// Row and column, 16 bits each.
@@ -67,7 +68,7 @@ impl AddressedSampler {
     #[inline]
     pub fn new(seed: u64, x: u32, y: u32, sample: u32) -> Self {
         Self {
-            kind: SamplerKind::Independent,
+            place: None,
             key: [seed as u32, (seed >> 32) as u32],
             pixel: (y << 16) | (x & 0xFFFF),
             sample,
@@ -79,7 +80,11 @@ impl AddressedSampler {
     #[inline]
     #[must_use]
     pub fn of_kind(self, kind: SamplerKind) -> Self {
-        Self { kind, ..self }
+        let place = match kind {
+            SamplerKind::Independent => None,
+            SamplerKind::Sobol => Some(sobol::Place::new(self.pixel, self.key)),
+        };
+        Self { place, ..self }
     }
 }
 
@@ -91,11 +96,9 @@ impl Sampler for AddressedSampler {
 
     #[inline(always)]
     fn numbers(&self, block: Block) -> [u32; 4] {
-        match self.kind {
-            SamplerKind::Independent => {
-                philox::<ROUNDS>([self.pixel, self.sample, self.vertex, block as u32], self.key)
-            }
-            SamplerKind::Sobol => sobol::numbers([self.pixel, self.vertex, block as u32], self.key, self.sample),
+        match &self.place {
+            None => philox::<ROUNDS>([self.pixel, self.sample, self.vertex, block as u32], self.key),
+            Some(place) => place.numbers([self.vertex, block as u32], self.sample),
         }
     }
 }

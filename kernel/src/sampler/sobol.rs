@@ -107,15 +107,38 @@ fn scramble(reversed: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53A2_2864)
 }
 
-/// Four numbers: those of sample `sample` in the sequence that belongs to `[pixel, vertex, block]` and `key`.
+/// What the sequences of all vertices and blocks of one pixel are scrambled by: random words.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place([u32; 4]);
+
+impl Place {
+    /// Of a pixel under a seed.
+    #[inline(always)]
+    pub(super) fn new(pixel: u32, key: [u32; 2]) -> Self {
+        // No vertex of an independent path has this number.
+        Self(philox::<ROUNDS>([pixel, 0, u32::MAX, u32::MAX], key))
+    }
+
+    /// Four numbers: those of sample `sample` in the sequence that belongs to a block of a vertex.
+    #[inline(always)]
+    pub(super) fn numbers(&self, [vertex, block]: [u32; 2], sample: u32) -> [u32; 4] {
+        let counter = vertex.wrapping_mul(2).wrapping_add(block).wrapping_mul(0x9E37_79B9);
+        let seeds = self.0.map(|word| mix(word.wrapping_add(counter)));
+        // Two of the four for a fifth: each of them alone scrambles a number, too, so they are mixed once more.
+        let order = mix(seeds[0] ^ seeds[1].rotate_left(16));
+        // Scrambling the index keeps aligned blocks of 2^m samples together, whichever place they move to.
+        let point = point(scramble(sample.reverse_bits(), order));
+        core::array::from_fn(|lane| scramble(point[lane], seeds[lane]).reverse_bits())
+    }
+}
+
+/// A permutation of words in which each bit hangs on all (Wellons, Prospecting for hash functions, 2018: multiplications
+/// between shifts, with constants found by search).
 #[inline(always)]
-pub(super) fn numbers([pixel, vertex, block]: [u32; 3], key: [u32; 2], sample: u32) -> [u32; 4] {
-    let seeds = philox::<ROUNDS>([pixel, 0, vertex, block], key);
-    // Two of the four for a fifth, mixed as one round more would.
-    let order = ((u64::from(seeds[2]) * 0xCD9E_8D57) >> 32) as u32 ^ seeds[1];
-    // Scrambling the index keeps aligned blocks of 2^m samples together, whichever place they move to.
-    let point = point(scramble(sample.reverse_bits(), order));
-    core::array::from_fn(|lane| scramble(point[lane], seeds[lane]).reverse_bits())
+fn mix(word: u32) -> u32 {
+    let x = (word ^ word >> 16).wrapping_mul(0x21F0_AAAD);
+    let x = (x ^ x >> 15).wrapping_mul(0xD35A_2D97);
+    x ^ x >> 15
 }
 
 #[cfg(test)]

@@ -47,6 +47,6 @@ items! {
     operations::texture,
     operations::camera,
     pictures::balls_through_a_lens,
-    pictures::balls_by_sobol,
+    pictures::balls_with_aim,
     pictures::textured_mesh_in_the_sky,
 }

@@ -8,7 +8,7 @@ use ocellus_kernel::real::{Real, Vec3, Vector, vec3_from_f64};
 use ocellus_kernel::robust::normalize;
 use ocellus_kernel::shape::{Geometry, Sphere, TriangleAttributes};
 use ocellus_kernel::texture::Texture;
-use ocellus_kernel::{Camera, Everything, ImageHash, PathOptions, Pixel, SamplerKind, Scene, SceneParts, View};
+use ocellus_kernel::{Aim, Camera, Everything, ImageHash, PathOptions, Pixel, SamplerKind, Scene, SceneParts, View};
 
 use crate::operations::TEXELS;
 
@@ -50,15 +50,16 @@ fn matte<R: Real>(albedo: [f64; 3], texture: Option<u32>, emission: [f64; 3]) ->
 
 /// Mirror, glass and hollow glass under a spherical light, through a lens and a Gaussian filter, with roulette.
 pub fn balls_through_a_lens<R: Real>(_queries: u32) -> u64 {
-    balls::<R>(SamplerKind::Independent)
+    balls::<R>(PathOptions { roulette_after: Some(2), ..PathOptions::default() })
 }
 
-/// The same by Sobol's numbers.
-pub fn balls_by_sobol<R: Real>(_queries: u32) -> u64 {
-    balls::<R>(SamplerKind::Sobol)
+/// The same by Sobol's numbers and with aim.
+pub fn balls_with_aim<R: Real>(_queries: u32) -> u64 {
+    let even = PathOptions { sampler: SamplerKind::Sobol, aim: true, ..PathOptions::default() };
+    balls::<R>(PathOptions { roulette_after: Some(2), ..even })
 }
 
-fn balls<R: Real>(sampler: SamplerKind) -> u64 {
+fn balls<R: Real>(options: PathOptions) -> u64 {
     let black = Vec3::<R>::ZERO;
     let glass = |interior, exterior| Material {
         scattering: Scattering::Dielectric(Dielectric {
@@ -92,6 +93,7 @@ fn balls<R: Real>(sampler: SamplerKind) -> u64 {
         sphere([0.0, -0.6, 1.8], 0.4, 2, false),
         sphere([2.0, 4.0, 3.0], 0.7, 3, false),
     ];
+    let aims = [5, 6].map(|at: usize| Aim { center: spheres[at].center, radius: spheres[at].radius, worth: R::ONE });
     let geometry = Geometry::new(&spheres, &[], &[]).expect("a geometry");
     let mut storage = BvhStorage::<R, 1, 7, 0>::EMPTY;
     let bvh = storage.build(&geometry, Structure::Bvh, &mut [BuildItem::EMPTY; 7]).expect("room");
@@ -104,11 +106,12 @@ fn balls<R: Real>(sampler: SamplerKind) -> u64 {
         materials: &materials,
         textures: &[],
         lights: &[Light::Sphere(SphereLight { sphere: 6 })],
+        aims: &aims,
         background: black,
     })
     .expect("a scene");
     let settings = CameraSettings { aperture_radius: 0.1, filter: Filter::Gaussian(0.5), ..CAMERA };
-    hash(&scene, &settings, &PathOptions { roulette_after: Some(2), sampler, ..PathOptions::default() })
+    hash(&scene, &settings, &options)
 }
 
 /// A textured, smooth octahedron on two triangles that emit, under a point light and a sky.
@@ -150,6 +153,7 @@ pub fn textured_mesh_in_the_sky<R: Real>(_queries: u32) -> u64 {
         materials: &materials,
         textures: &[Texture { width: 3, height: 2, texels: &TEXELS }],
         lights: &lights,
+        aims: &[],
         background: vec3_from_f64::<R>([0.2, 0.3, 0.5]),
     })
     .expect("a scene");

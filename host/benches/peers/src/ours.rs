@@ -63,6 +63,7 @@ pub(crate) fn with_scene<T>(mesh: &Mesh, builds: usize, work: impl FnOnce(&Ours<
         materials: &materials,
         textures: &[],
         lights: &[],
+        aims: &[],
         background: Vec3::ZERO,
     })
     .map_err(|error| error.to_string())?;

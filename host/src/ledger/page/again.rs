@@ -86,6 +86,7 @@ fn edit(account: &Account) -> Option<String> {
             Some(after) => format!("roulette_after = {after}"),
             None => "no roulette_after".to_owned(),
         },
+        Choice::Aim => format!("aim = {}", level.integrator.aim),
         _ => return None,
     };
     Some(format!(" with {line} in [integrator]"))

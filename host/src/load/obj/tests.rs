@@ -65,6 +65,8 @@ fn empty_scene() -> SceneDescription {
             fresnel: FresnelDescription::Exact,
             roulette_after: None,
             roulette_origin: origin.clone(),
+            aim: false,
+            aim_origin: origin.clone(),
             background: DVec3::ZERO,
             background_origin: origin.clone(),
             sampler: SamplerDescription::Independent,

@@ -52,6 +52,7 @@ light_sampling = "hemisphere"
 fresnel = "schlick"
 roulette_after = 2
 sampler = "sobol"
+aim = true
 seed = 9
 [surroundings]
 background = 0.25
@@ -102,7 +103,8 @@ power = [1e5, 0, 0]
     assert_eq!(integrator.fresnel, FresnelDescription::Schlick);
     assert_eq!((integrator.sampler, integrator.sampler_origin.line), (SamplerDescription::Sobol, 21));
     assert_eq!((integrator.roulette_after, integrator.roulette_origin.line), (Some(2), 20));
-    assert_eq!((integrator.background, integrator.background_origin.line), (DVec3::splat(0.25), 24));
+    assert_eq!((integrator.aim, integrator.aim_origin.line), (true, 22));
+    assert_eq!((integrator.background, integrator.background_origin.line), (DVec3::splat(0.25), 25));
     let materials: Vec<_> = scene
         .materials
         .iter()
@@ -116,27 +118,27 @@ power = [1e5, 0, 0]
     assert_eq!(
         materials,
         [
-            ("zinc", 26, 26, DVec3::ZERO, ScatteringDescription::Mirror { reflectance: DVec3::splat(0.5) }),
-            ("glass", 29, 29, DVec3::ZERO, dielectric(1.5, 1.33, DVec3::ONE)),
-            ("gem", 31, 31, DVec3::ZERO, dielectric(2.4, 1.0, DVec3::new(1.0, 0.5, 0.0))),
+            ("zinc", 27, 27, DVec3::ZERO, ScatteringDescription::Mirror { reflectance: DVec3::splat(0.5) }),
+            ("glass", 30, 30, DVec3::ZERO, dielectric(1.5, 1.33, DVec3::ONE)),
+            ("gem", 32, 32, DVec3::ZERO, dielectric(2.4, 1.0, DVec3::new(1.0, 0.5, 0.0))),
             (
                 "lamp",
-                36,
-                39,
+                37,
+                40,
                 DVec3::new(1.0, 2.0, 3.0),
                 ScatteringDescription::Diffuse { albedo: DVec3::ZERO, texture: None }
             ),
         ]
     );
     let sphere = &scene.spheres[0];
-    assert_eq!((sphere.origin.line, sphere.center, sphere.radius), (40, DVec3::new(1.0, 2.0, 3.0), 4.0));
+    assert_eq!((sphere.origin.line, sphere.center, sphere.radius), (41, DVec3::new(1.0, 2.0, 3.0), 4.0));
     assert_eq!((sphere.inverted, sphere.material), (true, 2));
     match scene.lights.as_slice() {
         [
             LightDescription::Point { origin: first, power, .. },
             LightDescription::Sphere { origin: second, radius, radiance, .. },
         ] => {
-            assert_eq!((first.line, second.line, *radius), (45, 49, 2.0));
+            assert_eq!((first.line, second.line, *radius), (46, 50, 2.0));
             assert_eq!(*power, DVec3::splat(5.0));
             assert!((radiance.x - 633.257_397_764_611).abs() < 1e-9, "{radiance}");
         }
@@ -158,7 +160,7 @@ fn defaults_are_those_of_the_reference_page() {
     assert_eq!((integrator.roulette_after, integrator.background), (None, DVec3::ZERO));
     assert_eq!(integrator.light_sampling, LightSamplingDescription::Cone);
     assert_eq!(integrator.fresnel, FresnelDescription::Exact);
-    assert_eq!(integrator.sampler, SamplerDescription::Independent);
+    assert_eq!((integrator.sampler, integrator.aim), (SamplerDescription::Independent, false));
     let grey = ScatteringDescription::Diffuse { albedo: DVec3::splat(0.8), texture: None };
     assert_eq!(scene.materials[0].scattering, grey);
     assert!(!scene.spheres[0].inverted);

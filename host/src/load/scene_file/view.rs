@@ -149,6 +149,7 @@ pub(super) fn read_integrator(
     let origin = table.origin.clone();
     let indirect = table.get_or("indirect", FLAG, true)?;
     let roulette = table.get("roulette_after", BOUNCES)?;
+    let aim = table.get_or("aim", FLAG, false)?;
     let sampler = table.get_or("sampler", SAMPLER, SamplerDescription::Independent)?;
     let integrator = IntegratorDescription {
         max_bounces: table.get_or("max_bounces", BOUNCES, 7)?.value,
@@ -158,6 +159,8 @@ pub(super) fn read_integrator(
         fresnel: table.get_or("fresnel", FRESNEL, FresnelDescription::Exact)?.value,
         roulette_after: roulette.as_ref().map(|given| given.value),
         roulette_origin: roulette.map_or_else(|| origin.clone(), |given| given.origin),
+        aim: aim.value,
+        aim_origin: aim.origin,
         background: surroundings.background,
         background_origin: surroundings.background_origin,
         sampler: sampler.value,
