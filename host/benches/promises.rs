@@ -4,7 +4,12 @@
 //! converged one. A promise is worth something if it is kept about as often as it says, costs little more than it must,
 //! and is foreseen.
 
-use std::path::{Path, PathBuf};
+#[path = "support/fixtures.rs"]
+mod fixtures;
+#[path = "support/median.rs"]
+mod median;
+
+use std::path::Path;
 
 use ocellus::description::SceneDescription;
 use ocellus::diff::Metric;
@@ -14,6 +19,8 @@ use ocellus::ledger::reference::Reference;
 use ocellus::load::load_scene;
 use ocellus::promise::{FIRST_LOOK, Outlook, Target, foreseen, next_look};
 use ocellus::render::{RenderSettings, Tracer, Unmonitored, with_tracer};
+
+use median::median;
 
 const TARGETS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
 const SEEDS: u64 = 6;
@@ -34,18 +41,10 @@ struct Trial {
 }
 
 fn main() {
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures");
-    let mut scenes: Vec<PathBuf> = ["report", "features"]
-        .iter()
-        .flat_map(|folder| std::fs::read_dir(fixtures.join(folder)).expect("the fixtures"))
-        .map(|entry| entry.expect("an entry").path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
-        .collect();
-    scenes.sort();
     let mut all: [Vec<Trial>; TARGETS.len()] = Default::default();
     let mut left_out = [0; TARGETS.len()];
     println!("{:<28}{:>8}{:>8}{:>10}{:>10}", "scene", "trials", "kept", "excess", "foreseen");
-    for path in &scenes {
+    for path in &fixtures::all() {
         let trials = of_scene(path);
         let mut found = Vec::new();
         for (at, (target, left)) in trials.into_iter().enumerate() {
@@ -83,11 +82,6 @@ fn print_row(name: &str, trials: &[(bool, f64, Option<f64>)]) {
     let excess = median(trials.iter().map(|trial| trial.1).collect());
     let foreseen = median(trials.iter().filter_map(|trial| trial.2).collect());
     println!("{name:<28}{:>8}{kept:>8}{excess:>10.2}{foreseen:>10.2}", trials.len());
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// The trials of each target, and how many of them took too long.

@@ -23,9 +23,9 @@ use ocellus::render::{RenderSettings, Tracer, Unmonitored, with_tracer};
 const TARGETS: [f64; 2] = [0.01, 0.001];
 const RUNS: u64 = 8;
 /// Pixels across and down.
-const SIDE: u32 = 48;
+const SIDE: u32 = 32;
 /// Samples per pixel of the reference.
-const REFERENCE: u32 = 1 << 15;
+const REFERENCE: u32 = 1 << 14;
 /// A run that needs more than these never arrives.
 const MOST: u32 = 1 << 15;
 

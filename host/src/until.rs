@@ -73,7 +73,7 @@ pub fn render_until(
             work: Work::default(),
             start: Instant::now(),
             interrupted: false,
-            looks: Vec::new(),
+            last_look: None,
         };
         course.run(until, monitor);
         Ok(course.finish(until))
@@ -93,7 +93,8 @@ struct Course<'a> {
     work: Work,
     start: Instant,
     interrupted: bool,
-    looks: Vec<(u32, Outlook)>,
+    /// The number of samples at the last look, and what it saw.
+    last_look: Option<(u32, Outlook)>,
 }
 
 impl Course<'_> {
@@ -123,7 +124,7 @@ impl Course<'_> {
             Some(fields) => fields.look(self.spp, &self.halves, target),
         };
         let Some(outlook) = outlook else { return false };
-        self.looks.push((self.spp, outlook));
+        self.last_look = Some((self.spp, outlook));
         match &self.fields {
             None => outlook.most <= target.value,
             Some(fields) => fields.are_done(),
@@ -147,7 +148,7 @@ impl Course<'_> {
 
     /// At how many samples the target will be met.
     fn foreseen(&self, until: &Until) -> Option<f64> {
-        let (spp, outlook) = *self.looks.last()?;
+        let (spp, outlook) = self.last_look?;
         Some(foreseen(spp, outlook, until.target?))
     }
 
@@ -155,7 +156,7 @@ impl Course<'_> {
     fn words(&self, until: &Until) -> String {
         let gone = self.start.elapsed().as_secs_f64();
         let left = |seconds: f64| format!(", about {} left", duration(seconds.max(0.0)));
-        let by_target = self.foreseen(until).zip(self.looks.last()).map(|(foreseen, (_, outlook))| {
+        let by_target = self.foreseen(until).zip(self.last_look).map(|(foreseen, (_, outlook))| {
             let left = left(gone * (foreseen / f64::from(self.spp) - 1.0));
             format!(", error {:.3e} at most{left}", outlook.most)
         });
@@ -164,7 +165,7 @@ impl Course<'_> {
     }
 
     fn finish(mut self, until: &Until) -> Promised {
-        let (mut outlook, mut foreseen_spp) = (self.looks.last().map(|(_, outlook)| *outlook), self.foreseen(until));
+        let (mut outlook, mut foreseen_spp) = (self.last_look.map(|(_, outlook)| outlook), self.foreseen(until));
         let (mut spp, mut odd_rows_end) = (self.spp, None);
         if let (Some(fields), Some(target)) = (&self.fields, until.target) {
             let [even, odd] = fields.spp(self.spp);
