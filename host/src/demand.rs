@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use ocellus_kernel::Effects;
 
+use crate::aims::aims;
 use crate::description::{
     FilterDescription, LightDescription, SamplerDescription, ScatteringDescription, SceneDescription,
 };
@@ -86,7 +87,7 @@ pub fn demands(scene: &SceneDescription) -> Vec<Demand> {
     if integrator.roulette_after.is_some() {
         ask(Effects::ROULETTE, &integrator.roulette_origin);
     }
-    if integrator.aim {
+    if integrator.aim && !aims(scene).is_empty() {
         ask(Effects::AIM, &integrator.aim_origin);
     }
     if integrator.sampler == SamplerDescription::Sobol {

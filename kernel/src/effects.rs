@@ -17,7 +17,7 @@
 //! | `LENS` | a camera with an aperture | `camera` | a point on the lens per path |
 //! | `FILTER` | a tent or Gaussian pixel filter | `camera` | square roots (and a logarithm) per path |
 //! | `SOBOL` | `PathOptions::sampler` | `sampler::sobol`, called by `view` | about 60 instructions per four numbers |
-//! | `AIM` | `PathOptions::aim` | `aim`, called by `path` | two cones per diffuse bounce and object aimed at |
+//! | `AIM` | `PathOptions::aim`, and something to aim at | `aim`, called by `path` | two cones per diffuse bounce and object aimed at |
 //!
 //! A kernel is compiled for a set of them, an [`EffectSet`]. An effect outside of the set leaves no code behind; a
 //! scene must only be given to a kernel whose set contains the scene's own ([`crate::View::required_effects`]).

@@ -50,12 +50,11 @@ impl Default for PathOptions {
 }
 
 impl PathOptions {
-    /// The effects that these options need.
+    /// The effects that these options need in any scene.
     pub fn required_effects(&self) -> Effects {
         let roulette = Effects::ROULETTE.when(self.roulette_after.is_some());
         let sobol = Effects::SOBOL.when(self.sampler == SamplerKind::Sobol);
-        let aim = Effects::AIM.when(self.aim);
-        Effects::INDIRECT.when(self.indirect).union(roulette).union(sobol).union(aim)
+        Effects::INDIRECT.when(self.indirect).union(roulette).union(sobol)
     }
 }
 

@@ -41,7 +41,9 @@ impl core::ops::Add for Work {
 impl<R: Real> View<'_, R> {
     /// The effects that a kernel must have to render this view.
     pub fn required_effects(&self) -> Effects {
-        self.scene.required_effects().union(self.camera.required_effects()).union(self.options.required_effects())
+        let aim = Effects::AIM.when(self.options.aim && !self.scene.aims().is_empty());
+        let of_options = self.options.required_effects().union(aim);
+        self.scene.required_effects().union(self.camera.required_effects()).union(of_options)
     }
 
     /// Sample number `sample` of the pixel in column `x` and row `y`, with the kernel's own numbers.
