@@ -40,8 +40,8 @@ struct Wanted {
 fn main() -> ExitCode {
     let report = |name: &str| load_scene(&fixture("report", name)).ok();
     let wanted = [
-        Wanted { name: "fig5a", scene: report("fig5a"), side: 96, ratio: 2.0 },
-        Wanted { name: "bunny room", scene: bunny_room(), side: 96, ratio: 2.0 },
+        Wanted { name: "fig5a", scene: report("fig5a"), side: 64, ratio: 2.0 },
+        Wanted { name: "bunny room", scene: bunny_room(), side: 64, ratio: 2.0 },
         Wanted { name: "fig5c", scene: report("fig5c"), side: 32, ratio: 1.5 },
     ];
     println!(
