@@ -68,7 +68,7 @@ fn scene_errors<R: Real>() {
         scene.mesh(&cube(1), grey);
         scene
     };
-    let cases: [SceneCase<R>; 11] = [
+    let cases: [SceneCase<R>; 16] = [
         (
             |scene| scene.attributes.truncate(11),
             SceneError::Attributes { attributes: 11, triangles: 12 },
@@ -134,6 +134,18 @@ fn scene_errors<R: Real>() {
             SceneError::Light { index: 1 },
             &["light 1", "sphere"],
         ),
+        (
+            |scene| {
+                scene.aim([0.0; 3], 1.0, 1.0);
+                scene.aim([0.0, f64::NAN, 0.0], 1.0, 1.0);
+            },
+            SceneError::Aim { index: 1 },
+            &["aim 1", "centre"],
+        ),
+        (|scene| scene.aim([0.0; 3], f64::INFINITY, 1.0), SceneError::Aim { index: 0 }, &["aim 0", "radius"]),
+        (|scene| scene.aim([0.0; 3], 0.0, 1.0), SceneError::Aim { index: 0 }, &["aim 0", "radius"]),
+        (|scene| scene.aim([0.0; 3], 1.0, 0.0), SceneError::Aim { index: 0 }, &["aim 0", "worth"]),
+        (|scene| scene.aim([0.0; 3], 1.0, 1.5), SceneError::Aim { index: 0 }, &["aim 0", "worth"]),
     ];
     assert!(Scene::new(base().parts()).is_ok());
     for (spoil, expected, words) in cases {

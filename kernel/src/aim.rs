@@ -21,7 +21,7 @@ pub struct Aim<R: Real> {
     pub center: Vec3<R>,
     /// Radius, scene units.
     pub radius: R,
-    /// How many of the aimed directions go there per solid angle, relative to other spheres; positive.
+    /// How many of the aimed directions go there per solid angle, relative to other spheres: above 0, up to 1.
     ///
     /// The best is the root of the share of the sphere's disk that looks bright (it makes the derivative of the variance
     /// the same for all): 1 for a light, about half the angle that the light's diameter fills for a ball that mirrors it.
@@ -43,6 +43,12 @@ struct Cone<R: Real> {
 }
 
 impl<R: Real> Aim<R> {
+    /// Whether all is finite, and radius and worth above zero.
+    pub(crate) fn is_valid(&self) -> bool {
+        let positive = self.radius > R::ZERO && self.worth > R::ZERO;
+        positive && self.center.is_finite() && self.radius.is_finite() && self.worth <= R::ONE
+    }
+
     /// Seen from `p`; `None` from inside, or where it is too far or too small to be seen.
     #[inline]
     fn cone(&self, p: Vec3<R>) -> Option<Cone<R>> {

@@ -117,6 +117,11 @@ pub enum SceneError {
         /// Which light.
         index: usize,
     },
+    /// A sphere to aim at has no finite centre, no positive finite radius, or a worth beyond 0..=1, or of 0.
+    Aim {
+        /// Which one.
+        index: usize,
+    },
 }
 
 impl fmt::Display for SceneError {
@@ -135,6 +140,12 @@ impl fmt::Display for SceneError {
             Self::Texture { material } => write!(f, "material {material}: no such texture"),
             Self::Texels { index } => write!(f, "texture {index}: width x height must equal its texels, not zero"),
             Self::Light { index } => write!(f, "light {index}: no such sphere"),
+            Self::Aim { index } => {
+                write!(
+                    f,
+                    "aim {index}: needs a finite centre, a positive finite radius, and a worth above 0 and up to 1"
+                )
+            }
         }
     }
 }

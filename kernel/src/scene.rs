@@ -218,8 +218,11 @@ fn check<R: Real>(parts: &SceneParts<'_, R>) -> Result<(), SceneError> {
         return Err(SceneError::Texels { index });
     }
     let bad_light = |light: &Light<R>| matches!(light, Light::Sphere(light) if light.sphere as usize >= spheres.len());
-    match parts.lights.iter().position(bad_light) {
-        Some(index) => Err(SceneError::Light { index }),
+    if let Some(index) = parts.lights.iter().position(bad_light) {
+        return Err(SceneError::Light { index });
+    }
+    match parts.aims.iter().position(|aim| !aim.is_valid()) {
+        Some(index) => Err(SceneError::Aim { index }),
         None => Ok(()),
     }
 }
