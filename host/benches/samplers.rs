@@ -31,7 +31,7 @@ type Errors = Vec<[f64; RUNGS.len()]>;
 fn main() -> ExitCode {
     println!("RMSE: slope over samples; by Sobol's numbers over that by independent ones. +- and .. are 95 %");
     println!(
-        "{:<28}{:>15}{:>15}{:>20}{:>20}  sobol is",
+        "{:<22}{:>18}{:>18}{:>20}{:>20}  sobol is",
         "scene", "independent", "sobol", "at 16 samples", "at 256 samples"
     );
     let (mut better, mut wrong) = (0, Vec::new());
@@ -39,7 +39,7 @@ fn main() -> ExitCode {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let [independent, sobol] = [Independent, Sobol].map(|sampler| errors(&path, sampler));
         if independent.iter().flatten().any(|error| *error == 0.0) {
-            println!("{name:<28}left out: nothing in it is up to chance");
+            println!("{name:<22}left out: nothing in it is up to chance");
             continue;
         }
         let [usual, slope] = [&independent, &sobol].map(slope);
@@ -64,7 +64,7 @@ fn main() -> ExitCode {
         let [few, many] =
             ratios.map(|Ratio { value, interval: [low, high] }| format!("{value:.2} ({low:.2}..{high:.2})"));
         let [usual, slope] = [usual, slope].map(|Estimate { value, half }| format!("{value:.3} +- {half:.3}"));
-        println!("{name:<28}{usual:>15}{slope:>15}{few:>20}{many:>20}  {verdict}");
+        println!("{name:<22}{usual:>18}{slope:>18}{few:>20}{many:>20}  {verdict}");
     }
     println!(
         "better on {better} scenes; {}",
