@@ -3,7 +3,8 @@
 //! Each scene is rendered as the report describes (independent numbers, spherical lights by the hemisphere that faces the
 //! point) and with what makes a picture less noisy (Sobol's numbers, cones, roulette after one bounce, aim), in turn and
 //! with the same seeds, until the relMSE is below each target. The bunny's room needs the folder that `OCELLUS_DATA`
-//! names. Of figure 5c it also says how much of its squared error is light that mirrors and glass throw.
+//! names. Errors are read at 1, 2, 4 ... samples and taken to fall by a power of the time in between. Of figure 5c it also
+//! says how much of its squared error is light that mirrors and glass throw.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -38,7 +39,7 @@ struct Wanted {
 }
 
 fn main() -> ExitCode {
-    let report = |name: &str| load_scene(&fixture("report", name)).ok();
+    let report = |name: &str| Some(load_scene(&fixture("report", name)).expect("a fixture"));
     let wanted = [
         Wanted { name: "fig5a", scene: report("fig5a"), side: 64, ratio: 2.0 },
         Wanted { name: "bunny room", scene: bunny_room(), side: 64, ratio: 2.0 },
@@ -59,7 +60,7 @@ fn main() -> ExitCode {
             let [old, new] = [0, 1].map(|kind| Ratio::of(found.iter().map(|pair| pair[kind])));
             let sooner = Ratio::of(found.iter().map(|pair| pair[0] / pair[1]));
             println!("{name:<12}{target:>8}{:>22}{:>22}{:>26}", words(old, 3), words(new, 3), words(sooner, 2));
-            short |= sooner.is_none_or(|sooner| sooner.value < ratio);
+            short |= sooner.is_none_or(|sooner| sooner.interval[0] < ratio);
         }
         if name == "fig5c" {
             let share = caustic_share(&scene);
@@ -70,7 +71,9 @@ fn main() -> ExitCode {
         }
     }
     if short {
-        println!("less than was wanted: 2 times for fig5a and the bunny room, 1.5 times for fig5c");
+        println!(
+            "less than was wanted, with 95 % certainty: 2 times for fig5a and the bunny room, 1.5 times for fig5c"
+        );
         return ExitCode::FAILURE;
     }
     ExitCode::SUCCESS
@@ -132,7 +135,7 @@ fn times(scene: &SceneDescription) -> [Vec<[f64; 2]>; TARGETS.len()] {
     .expect("a scene that can be rendered")
 }
 
-/// By independent samples, whose variance is known.
+/// By independent samples, whose variance is known; bench `unbiased` shows that all ways have the same mean.
 fn reference(tracer: &dyn Tracer, scene: &SceneDescription, settings: &RenderSettings) -> Reference {
     let integrator = IntegratorDescription { sampler: SamplerDescription::Independent, ..less_noisy(scene) };
     let job = tracer.job(&integrator, settings).expect("a kernel");
@@ -174,7 +177,7 @@ fn arrivals(
 /// The share of the squared error that is light which mirrors and glass throw onto diffuse surfaces.
 ///
 /// A point as bright as the light throws none that a path can find. What else it lacks is the noise of choosing a point
-/// of the light, which a picture of direct light alone has, too.
+/// of the light, which a picture of direct light alone has, too; at later bounces that is left, which is a small part.
 fn caustic_share(scene: &SceneDescription) -> Estimate {
     let mut dotted = scene.clone();
     for light in &mut dotted.lights {

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
-use crate::description::{LightDescription, MeshDescription, ScatteringDescription, SceneDescription};
+use crate::description::{
+    LightDescription, LightSamplingDescription, MeshDescription, ScatteringDescription, SceneDescription,
+};
 
 /// More than so many are not aimed at, since each takes time at every bounce: the others are found by chance.
 const MOST: usize = 16;
@@ -51,8 +53,9 @@ pub(crate) fn aims(scene: &SceneDescription) -> Vec<AimDescription> {
         gatherer.worth = emitters.iter().chain(&lamps).map(angle).fold(0.0, f64::max);
     }
     let mut all = emitters;
-    // Where they are not hidden by glass, lamps are sampled as lights.
-    all.extend(lamps.into_iter().filter(|_| has_glass));
+    // Where no glass hides them, lamps are sampled as lights, if that is asked for.
+    let sampled = scene.integrator.light_sampling != LightSamplingDescription::None;
+    all.extend(lamps.into_iter().filter(|_| has_glass || !sampled));
     all.extend(gatherers.into_iter().filter(|gatherer| gatherer.worth > 0.0));
     all.sort_by(|a, b| (b.worth * b.radius * b.radius).total_cmp(&(a.worth * a.radius * a.radius)));
     all.truncate(MOST);

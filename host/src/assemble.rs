@@ -156,8 +156,8 @@ impl<R: Real> Arrays<R> {
             uvs: Vec::new(),
             materials: description.materials.iter().map(material).collect(),
             lights: Vec::new(),
-            // What is too small for the precision is found by chance.
-            aims: aims(description).iter().map(aim).filter(|aim| aim.radius > R::ZERO && aim.worth > R::ZERO).collect(),
+            // What is too small or too large for the precision is found by chance.
+            aims: aims(description).iter().map(aim).filter(Aim::is_valid).collect(),
         };
         for sphere in &description.spheres {
             arrays.spheres.push(Sphere {

@@ -108,7 +108,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "[METRIC=]X", conflicts_with = "samples", value_parser = parse_error)]
     pub target_error: Option<Target>,
     /// Let even rows decide when odd ones have enough for --target-error, and odd rows for even ones, so that no pixel's mean
-    /// is off because its own samples decided. Takes more samples.
+    /// is off because its own samples decided. Takes more samples, and where light is rare the picture may end above the
+    /// target all the same: exit code 3.
     #[arg(long, requires = "target_error", conflicts_with = "samples")]
     pub unbiased: bool,
     /// Stop after so many seconds of tracing.

@@ -11,7 +11,9 @@
 //! at each look, whatever its own number is. Those samples do nothing but decide, and are thrown away. Were they kept, the
 //! field's number would be the larger of both, and the other one's hangs on its own samples.
 //!
-//! What is told of the picture's error is made of its own samples, which decide nothing.
+//! What is told of the picture's error is made of its own samples, which decide nothing: where light is rare, or the picture
+//! small, it may turn out to be above what the other field promised. And where `--time` ends the picture, the clock decides,
+//! which hangs a little on how long its own paths took.
 
 use crate::diff::Metric;
 use crate::film::{Film, Region};

@@ -154,11 +154,11 @@ table! {
         SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | LENS;
     SphereLitMatte "sphere-lit-matte" "Diffuse triangles and spheres, spherical lights." =
         SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER;
-    EvenPointLitSpheres "even-point-lit-spheres" "The same as point-lit spheres, with what makes a picture less noisy." =
+    LowNoisePointLitSpheres "low-noise-point-lit-spheres" "Point-lit spheres with Sobol's numbers and roulette." =
         SPHERES | MIRROR | GLASS | POINT_LIGHT | INDIRECT | FILTER | SOBOL | ROULETTE;
-    EvenSphereLitSpheres "even-sphere-lit-spheres" "The same as sphere-lit spheres, with what makes a picture less noisy." =
+    LowNoiseSphereLitSpheres "low-noise-sphere-lit-spheres" "Sphere-lit spheres with Sobol's numbers, roulette and aim." =
         SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | SOBOL | ROULETTE | AIM;
-    EvenSphereLitMatte "even-sphere-lit-matte" "The same as sphere-lit matte, with what makes a picture less noisy." =
+    LowNoiseSphereLitMatte "low-noise-sphere-lit-matte" "Sphere-lit matte with Sobol's numbers and roulette." =
         SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER | SOBOL | ROULETTE;
     PointLitTextured "point-lit-textured" "Textured and smooth diffuse triangles and spheres, point lights." =
         SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | POINT_LIGHT | INDIRECT | FILTER;

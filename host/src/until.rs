@@ -30,7 +30,7 @@ pub struct Promised {
     /// The picture. Its samples are 0 to `spp`, so that `--spp` renders it again, bit for bit; in odd rows of the film 0
     /// to `odd_rows_end` where that is another number.
     pub rendering: Rendering,
-    /// Samples of each pixel.
+    /// Samples of each pixel; of those in even rows, where odd ones have their own number.
     pub spp: u32,
     /// Samples of each pixel in odd rows, where they have their own number.
     pub odd_rows_end: Option<u32>,

@@ -34,8 +34,8 @@ struct Cone<R: Real> {
     axis: Vec3<R>,
     /// Length of `axis`.
     distance: R,
-    /// How far it is to where the cone touches the sphere.
-    tangent: R,
+    /// Squared radius of the sphere.
+    radius_square: R,
     /// 1 - cos of half its angle.
     versine: R,
     /// Its share of the aimed directions, relative to others.
@@ -43,8 +43,8 @@ struct Cone<R: Real> {
 }
 
 impl<R: Real> Aim<R> {
-    /// Whether all is finite, and radius and worth above zero.
-    pub(crate) fn is_valid(&self) -> bool {
+    /// Whether all is finite, radius and worth are above zero, and the worth is at most 1.
+    pub fn is_valid(&self) -> bool {
         let positive = self.radius > R::ZERO && self.worth > R::ZERO;
         positive && self.center.is_finite() && self.radius.is_finite() && self.worth <= R::ONE
     }
@@ -61,7 +61,7 @@ impl<R: Real> Aim<R> {
         let versine = radius_square / (distance * (distance + tangent));
         let share = self.worth * versine;
         // Nor where one of them is not a number.
-        (tangent > R::ZERO && share > R::ZERO).then_some(Cone { axis, distance, tangent, versine, share })
+        (tangent > R::ZERO && share > R::ZERO).then_some(Cone { axis, distance, radius_square, versine, share })
     }
 }
 
@@ -95,7 +95,11 @@ pub(crate) fn sample<R: Real>(
     }
     let mut worth = R::ZERO;
     for (index, aim) in aims.iter().enumerate() {
-        let within = |cone: Cone<R>| cone.axis.dot(wi) >= cone.tangent;
+        // Whether it meets the sphere: by a cross product, since cosines of narrow cones are all 1.
+        let within = |cone: Cone<R>| {
+            let off = cone.axis.cross(wi);
+            cone.axis.dot(wi) > R::ZERO && off.dot(off) <= cone.radius_square
+        };
         // The chosen one holds it, whatever rounding says.
         if index == chosen || aim.cone(point.p).is_some_and(within) {
             worth = worth + aim.worth;

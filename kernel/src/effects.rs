@@ -16,7 +16,7 @@
 //! | `ROULETTE` | `PathOptions::roulette_after` | `path` | a comparison and a division per bounce |
 //! | `LENS` | a camera with an aperture | `camera` | a point on the lens per path |
 //! | `FILTER` | a tent or Gaussian pixel filter | `camera` | square roots (and a logarithm) per path |
-//! | `SOBOL` | `PathOptions::sampler` | `sampler::sobol`, called by `view` | about 60 instructions per four numbers |
+//! | `SOBOL` | `PathOptions::sampler` | `sampler::sobol`, called by `view` | a Philox per path and five scrambles per four numbers, for a Philox each |
 //! | `AIM` | `PathOptions::aim`, and something to aim at | `aim`, called by `path` | two cones per diffuse bounce and object aimed at |
 //!
 //! A kernel is compiled for a set of them, an [`EffectSet`]. An effect outside of the set leaves no code behind; a

@@ -134,8 +134,8 @@ pub fn radiance<R: Real, E: EffectSet>(
                     break;
                 }
                 let sample = if const { E::EFFECTS.contains(Effects::AIM) } && options.aim {
-                    aim::sample(scene.aims(), &point, &facing, albedo, numbers).map(|(sample, weight)| {
-                        odds = odds * weight;
+                    aim::sample(scene.aims(), &point, &facing, albedo, numbers).map(|(sample, ratio)| {
+                        odds = odds * ratio;
                         sample
                     })
                 } else {
@@ -154,7 +154,7 @@ pub fn radiance<R: Real, E: EffectSet>(
             && options.roulette_after.is_some_and(|after| bounce >= after)
         {
             match survival::<R>(throughput * (R::ONE / odds), numbers[3]) {
-                Some(worth) => throughput = throughput * worth,
+                Some(compensation) => throughput = throughput * compensation,
                 None => break,
             }
         }

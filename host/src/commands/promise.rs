@@ -39,11 +39,15 @@ pub(super) fn tell_of(
         Some(outlook) => {
             let [most, expected] = [outlook.most, outlook.expected].map(|error| significant(error, 3));
             let words = format!("{} {most} at most, with a certainty of 95 %; {expected} expected", target.metric);
+            let left = foreseen.map_or(0.0, |foreseen| foreseen / f64::from(spp) - 1.0);
             if met {
                 words
-            } else {
-                let left = foreseen.unwrap_or(f64::NAN) / f64::from(spp) - 1.0;
+            } else if args.unbiased {
+                format!("{words}; what other rows saw was less, as happens where light is rare or the picture small")
+            } else if left > 0.0 {
                 format!("{words}; {} would take about {} more", target.value, duration(left * rendering.trace_seconds))
+            } else {
+                format!("{words}; {} is near", target.value)
             }
         }
     });

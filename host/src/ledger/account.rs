@@ -195,6 +195,7 @@ fn reaches(measured: &Measured, target: Target, x: impl Fn(&Rung, &Run) -> f64) 
     courses(measured, x, |run| target.error(run)).iter().map(reach).collect()
 }
 
+/// Where the lines through the runs' errors meet the target, in seconds and in samples per pixel.
 fn to_target(measured: &Measured, target: Target) -> Option<[Ratio; 2]> {
     let seconds = Ratio::of(reaches(measured, target, |_, run| run.seconds))?;
     let spp = Ratio::of(reaches(measured, target, |rung, _| f64::from(rung.spp)))?;

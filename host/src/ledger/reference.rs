@@ -75,6 +75,7 @@ impl Reference {
         exact.integrator.fresnel = FresnelDescription::Exact;
         exact.integrator.light_sampling = LightSamplingDescription::Cone;
         exact.integrator.roulette_after = None;
+        // Aim stays as asked for: without it light behind glass is hardly found at all.
         // Its own noise is told by how its samples scatter, which says it only where they are independent.
         exact.integrator.sampler = SamplerDescription::Independent;
         let settings = RenderSettings { precision: Precision::F64, accuracy: Accuracy::ROBUST, ..settings.clone() };
