@@ -65,8 +65,8 @@ impl<R: Real> Aim<R> {
     }
 }
 
-/// A direction for a diffuse surface, and how often it is chosen without aim over how often it is with. The weight is the
-/// albedo times that. `None` where it would pass the surface.
+/// A direction for a diffuse surface; the weight is the albedo, times how often it is chosen without aim over how often
+/// it is with. `None` where it would pass the surface.
 #[inline]
 pub(crate) fn sample<R: Real>(
     aims: &[Aim<R>],
@@ -74,14 +74,14 @@ pub(crate) fn sample<R: Real>(
     facing: &Facing<R>,
     albedo: Vec3<R>,
     numbers: [u32; 4],
-) -> Option<(BsdfSample<R>, R)> {
+) -> Option<BsdfSample<R>> {
     let [u, v] = [numbers[0], numbers[1]].map(R::from_unit_bits);
     let mut shares = R::ZERO;
     for cone in aims.iter().filter_map(|aim| aim.cone(point.p)) {
         shares = shares + cone.share;
     }
     if !(shares > R::ZERO) {
-        return diffuse::sample(facing, albedo, u, v).map(|sample| (sample, R::ONE));
+        return diffuse::sample(facing, albedo, u, v);
     }
     // The highest bits say whether to aim, the others at which.
     let (wi, chosen) = if numbers[2] >> (32 - AIMED_BITS) == 0 {
@@ -114,7 +114,7 @@ pub(crate) fn sample<R: Real>(
     } else {
         R::ONE / rest
     };
-    Some((BsdfSample { wi, weight: albedo * odds, delta: false }, odds))
+    Some(BsdfSample { wi, weight: albedo * odds, delta: false })
 }
 
 /// A direction of one of the cones and which it is: that where `place` falls, of all their shares side by side.

@@ -78,8 +78,6 @@ pub fn radiance<R: Real, E: EffectSet>(
     let (mut radiance, mut throughput, mut rays) = (Vec3::<R>::ZERO, Vec3::<R>::ONE, 0);
     // Whether a sampled light that the ray meets has yet to be counted: not after a diffuse bounce.
     let mut sees_lights = true;
-    // What aiming has made of the throughput: roulette leaves it out, or it would end just the paths that were aimed.
-    let mut odds = R::ONE;
     let mut departure = Departure::exactly(ray.origin);
     for bounce in 0..=options.max_bounces {
         if bounce == options.max_bounces && !last_segment_counts(scene, sees_lights) {
@@ -134,10 +132,7 @@ pub fn radiance<R: Real, E: EffectSet>(
                     break;
                 }
                 let sample = if const { E::EFFECTS.contains(Effects::AIM) } && options.aim {
-                    aim::sample(scene.aims(), &point, &facing, albedo, numbers).map(|(sample, ratio)| {
-                        odds = odds * ratio;
-                        sample
-                    })
+                    aim::sample(scene.aims(), &point, &facing, albedo, numbers)
                 } else {
                     let [u, v] = [numbers[0], numbers[1]].map(R::from_unit_bits);
                     diffuse::sample(&facing, albedo, u, v)
@@ -153,7 +148,7 @@ pub fn radiance<R: Real, E: EffectSet>(
         if const { E::EFFECTS.contains(Effects::ROULETTE) }
             && options.roulette_after.is_some_and(|after| bounce >= after)
         {
-            match survival::<R>(throughput * (R::ONE / odds), numbers[3]) {
+            match survival::<R>(throughput, numbers[3]) {
                 Some(compensation) => throughput = throughput * compensation,
                 None => break,
             }
