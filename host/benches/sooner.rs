@@ -1,4 +1,4 @@
-//! How much sooner a picture is good: `cargo bench -p ocellus --bench sooner`.
+//! How much sooner a picture is good: `cargo bench -p ocellus --bench sooner`, with `-- fig5c` of that scene alone.
 //!
 //! Each scene is rendered as the report describes (independent numbers, spherical lights by the hemisphere that faces the
 //! point) and with what makes a picture less noisy (Sobol's numbers, cones, roulette after one bounce, aim), in turn and
@@ -49,8 +49,12 @@ fn main() -> ExitCode {
         "{:<12}{:>8}{:>22}{:>22}{:>26}",
         "scene", "relMSE", "s, as in the report", "s, less noisy", "times sooner"
     );
+    let asked: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let mut short = false;
     for Wanted { name, scene, side, ratio } in wanted {
+        if !asked.is_empty() && !asked.iter().any(|asked| asked == name) {
+            continue;
+        }
         let Some(mut scene) = scene else {
             println!("{name:<12}skipped: OCELLUS_DATA names no folder with its mesh");
             continue;
