@@ -39,6 +39,7 @@ pub(super) struct Shown<'a> {
     /// Its number in plots without names.
     pub(super) number: usize,
     color: usize,
+    form: usize,
 }
 
 impl<'a> Shown<'a> {
@@ -54,8 +55,9 @@ impl<'a> Shown<'a> {
                 }
                 let place = choices.iter().position(|known| *known == choice).unwrap_or(0);
                 // The scene as asked for has a color that nothing else has.
-                let color = if account.is_baseline() { 0 } else { 1 + place.saturating_sub(1) % 7 };
-                Self { account, number, color }
+                let (round, color) = (place.saturating_sub(1) / 7, place.saturating_sub(1) % 7);
+                let color = if account.is_baseline() { 0 } else { 1 + color };
+                Self { account, number, color, form: (number + round) % 5 }
             })
             .collect()
     }
@@ -74,7 +76,7 @@ impl<'a> Shown<'a> {
             let corners = corners.iter().map(|[dx, dy]| format!("{:.1} {:.1}", x + dx * size, y + dy * size));
             format!("<path class=\"mark\" d=\"M{}Z\" />", corners.collect::<Vec<_>>().join("L"))
         };
-        match self.number % 5 {
+        match self.form {
             0 => format!("<circle class=\"mark\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{size}\" />"),
             1 => path(&[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]]),
             2 => path(&[[0.0, -1.2], [1.1, 0.8], [-1.1, 0.8]]),
