@@ -154,11 +154,11 @@ table! {
         SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | LENS;
     SphereLitMatte "sphere-lit-matte" "Diffuse triangles and spheres, spherical lights." =
         SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER;
-    LowNoisePointLitSpheres "low-noise-point-lit-spheres" "Point-lit spheres with Sobol's numbers and roulette." =
+    QuietPointLitSpheres "quiet-point-lit-spheres" "Point-lit spheres with Sobol's numbers and roulette." =
         SPHERES | MIRROR | GLASS | POINT_LIGHT | INDIRECT | FILTER | SOBOL | ROULETTE;
-    LowNoiseSphereLitSpheres "low-noise-sphere-lit-spheres" "Sphere-lit spheres with Sobol's numbers, roulette and aim." =
+    QuietSphereLitSpheres "quiet-sphere-lit-spheres" "Sphere-lit spheres with Sobol's numbers, roulette and aim." =
         SPHERES | MIRROR | GLASS | SPHERE_LIGHT | INDIRECT | FILTER | SOBOL | ROULETTE | AIM;
-    LowNoiseSphereLitMatte "low-noise-sphere-lit-matte" "Sphere-lit matte with Sobol's numbers and roulette." =
+    QuietSphereLitMatte "quiet-sphere-lit-matte" "Sphere-lit matte with Sobol's numbers and roulette." =
         SPHERES | TRIANGLES | SPHERE_LIGHT | INDIRECT | FILTER | SOBOL | ROULETTE;
     PointLitTextured "point-lit-textured" "Textured and smooth diffuse triangles and spheres, point lights." =
         SPHERES | TRIANGLES | SMOOTH_NORMALS | TEXTURES | POINT_LIGHT | INDIRECT | FILTER;
