@@ -11,6 +11,8 @@ pub enum Isa {
     Baseline,
     /// AVX2 of x86-64.
     Avx2,
+    /// AVX-512 of x86-64, as processors have had it since 2017: F, BW, DQ and VL.
+    Avx512,
 }
 
 /// Which instructions a render may use.
@@ -23,6 +25,8 @@ pub enum IsaChoice {
     Baseline,
     /// AVX2 of x86-64.
     Avx2,
+    /// AVX-512 of x86-64.
+    Avx512,
 }
 
 impl fmt::Display for Isa {
@@ -30,14 +34,19 @@ impl fmt::Display for Isa {
         f.write_str(match self {
             Self::Baseline => baseline(),
             Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
         })
     }
 }
 
 impl Isa {
     /// Those that this machine has, the least first.
-    pub fn available() -> impl Iterator<Item = Self> {
-        [Self::Baseline, Self::Avx2].into_iter().filter(|isa| *isa == Self::Baseline || has_avx2())
+    pub fn available() -> impl DoubleEndedIterator<Item = Self> {
+        [Self::Baseline, Self::Avx2, Self::Avx512].into_iter().filter(|isa| match isa {
+            Self::Baseline => true,
+            Self::Avx2 => has_avx2(),
+            Self::Avx512 => has_avx512(),
+        })
     }
 
     /// What this machine has of what is chosen.
@@ -45,11 +54,14 @@ impl Isa {
     /// # Errors
     /// This machine does not have it.
     pub fn select(choice: IsaChoice) -> Result<Self, Error> {
-        match choice {
-            IsaChoice::Auto | IsaChoice::Avx2 if has_avx2() => Ok(Self::Avx2),
-            IsaChoice::Auto | IsaChoice::Baseline => Ok(Self::Baseline),
-            IsaChoice::Avx2 => Err(Error::usage("this machine has no AVX2", "use --isa auto")),
-        }
+        let wanted = match choice {
+            IsaChoice::Auto => return Ok(Self::available().next_back().unwrap_or(Self::Baseline)),
+            IsaChoice::Baseline => Self::Baseline,
+            IsaChoice::Avx2 => Self::Avx2,
+            IsaChoice::Avx512 => Self::Avx512,
+        };
+        let has = Self::available().any(|isa| isa == wanted);
+        has.then_some(wanted).ok_or_else(|| Error::usage(format!("this machine has no {wanted}"), "use --isa auto"))
     }
 }
 
@@ -58,8 +70,19 @@ pub(crate) fn has_avx2() -> bool {
     std::arch::is_x86_feature_detected!("avx2")
 }
 
+#[cfg(target_arch = "x86_64")]
+pub(crate) fn has_avx512() -> bool {
+    use std::arch::is_x86_feature_detected as has;
+    has_avx2() && has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl")
+}
+
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) fn has_avx2() -> bool {
+    false
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn has_avx512() -> bool {
     false
 }
 

@@ -3,6 +3,7 @@
 //! A row exists only where it was measured to pay: `cargo bench -p ocellus --bench figures -- instructions` prints by
 //! how much. Each alternative of [`Accuracy`] is there once, alone, on the kernel that does everything.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use ocellus_kernel::accuracy::{RayOffset, SlabTest, SphereTest, TriangleTest};
@@ -61,11 +62,19 @@ impl TableReal for f64 {
 pub struct Kernels<R: Real> {
     baseline: Kernel<R>,
     avx2: Kernel<R>,
+    avx512: Kernel<R>,
 }
 
 impl<R: Real> Kernels<R> {
-    const fn of<E: EffectSet>() -> Self {
-        Self { baseline: render::<R, E>, avx2: render_with_avx2::<R, E> }
+    /// One path at a time.
+    const fn single<E: EffectSet>() -> Self {
+        let avx2 = with_avx2::<R, Single<E>>;
+        Self { baseline: render::<R, Single<E>>, avx2, avx512: avx2 }
+    }
+
+    /// Many paths at a time where registers are wide enough for that to pay.
+    const fn many<E: EffectSet>() -> Self {
+        Self { baseline: render::<R, Single<E>>, avx2: with_avx2::<R, Many<E>>, avx512: with_avx512::<R, Many<E>> }
     }
 
     /// The one for these instructions.
@@ -73,55 +82,88 @@ impl<R: Real> Kernels<R> {
         match isa {
             Isa::Baseline => self.baseline,
             Isa::Avx2 => self.avx2,
+            Isa::Avx512 => self.avx512,
         }
     }
 }
 
-/// [`render`] with AVX2 where the machine has it.
+/// A way to follow paths.
+trait Way {
+    fn render<R: Real>(view: &View<'_, R>, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work;
+}
+
+/// One after the other.
+struct Single<E>(PhantomData<E>);
+
+impl<E: EffectSet> Way for Single<E> {
+    #[inline(always)]
+    fn render<R: Real>(view: &View<'_, R>, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work {
+        view.render::<E>(x, y, samples, pixels)
+    }
+}
+
+/// Side by side.
+struct Many<E>(PhantomData<E>);
+
+impl<E: EffectSet> Way for Many<E> {
+    #[inline(always)]
+    fn render<R: Real>(view: &View<'_, R>, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work {
+        view.render_wavefront::<E>(x, y, samples, pixels)
+    }
+}
+
+/// The body of every row: a function of its own per precision, effect set and way, so that profiles and disassembly show
+/// which is which.
 #[inline(never)]
-fn render_with_avx2<R: Real, E: EffectSet>(
-    view: &View<'_, R>,
-    x: u32,
-    y: u32,
-    samples: Range<u32>,
-    pixels: &mut [Pixel],
-) -> Work {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx2")]
-        fn render_avx2<R: Real, E: EffectSet>(
+fn render<R: Real, W: Way>(view: &View<'_, R>, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work {
+    W::render(view, x, y, samples, pixels)
+}
+
+/// [`render`] with more instructions, where the machine has them.
+macro_rules! with_instructions {
+    ($name:ident, $has:path, $features:literal) => {
+        #[inline(never)]
+        fn $name<R: Real, W: Way>(
             view: &View<'_, R>,
             x: u32,
             y: u32,
             samples: Range<u32>,
             pixels: &mut [Pixel],
         ) -> Work {
-            view.render::<E>(x, y, samples, pixels)
-        }
+            #[cfg(target_arch = "x86_64")]
+            {
+                #[target_feature(enable = $features)]
+                fn compiled<R: Real, W: Way>(
+                    view: &View<'_, R>,
+                    x: u32,
+                    y: u32,
+                    samples: Range<u32>,
+                    pixels: &mut [Pixel],
+                ) -> Work {
+                    W::render(view, x, y, samples, pixels)
+                }
 
-        if isa::has_avx2() {
-            // SAFETY: the machine has what the function was compiled for.
-            return unsafe { render_avx2::<R, E>(view, x, y, samples, pixels) };
+                if $has() {
+                    // SAFETY: the machine has what the function was compiled for.
+                    return unsafe { compiled::<R, W>(view, x, y, samples, pixels) };
+                }
+            }
+            render::<R, W>(view, x, y, samples, pixels)
         }
-    }
-    render::<R, E>(view, x, y, samples, pixels)
+    };
 }
 
-/// The body of every row: a function of its own per precision and effect set, so that profiles and disassembly show
-/// which is which.
-#[inline(never)]
-fn render<R: Real, E: EffectSet>(
-    view: &View<'_, R>,
-    x: u32,
-    y: u32,
-    samples: Range<u32>,
-    pixels: &mut [Pixel],
-) -> Work {
-    view.render::<E>(x, y, samples, pixels)
-}
+with_instructions!(with_avx2, isa::has_avx2, "avx2");
+with_instructions!(with_avx512, isa::has_avx512, "avx2,avx512f,avx512bw,avx512dq,avx512vl");
 
+/// A row whose paths are followed one by one.
 const fn row<E: EffectSet>(name: &'static str) -> Row {
-    Row { name, effects: E::EFFECTS, accuracy: E::ACCURACY, f32: Kernels::of::<E>(), f64: Kernels::of::<E>() }
+    Row { name, effects: E::EFFECTS, accuracy: E::ACCURACY, f32: Kernels::single::<E>(), f64: Kernels::single::<E>() }
+}
+
+/// A row whose paths are followed side by side in f32. In f64 there are fewer lanes, and spheres have no bounds.
+const fn row_of_many<E: EffectSet>(name: &'static str) -> Row {
+    Row { f32: Kernels::many::<E>(), ..row::<E>(name) }
 }
 
 macro_rules! table {
@@ -137,7 +179,7 @@ macro_rules! table {
         )*
 
         /// All kernels, the largest last.
-        pub const TABLE: &[Row] = &[$(row::<$set>($name),)* row::<Everything>("everything")];
+        pub const TABLE: &[Row] = &[$(row_of_many::<$set>($name),)* row::<Everything>("everything")];
     };
 }
 

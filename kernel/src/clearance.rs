@@ -55,17 +55,12 @@ impl<R: Real> Clearance<'_, R> {
     pub(crate) fn is_needed(&self, offset: Vec3<R>) -> bool {
         let offset = widen::<R>(offset);
         let is_in_the_way = |_, corners: &[Vec3<R>; 3]| self.plane(corners, offset).is_some();
-        any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), is_in_the_way)
-    }
-
-    /// The box in which other triangles matter: no further than a point can be beyond them.
-    #[inline(always)]
-    fn place(&self) -> Bounds<R> {
-        let reach = (self.error + Vec3::<R>::splat(self.along)) * R::from_f64(f64::from(ERRORS_BEYOND));
-        let mut place = Bounds::EMPTY;
-        place.grow(self.point.p - reach);
-        place.grow(self.point.p + reach);
-        place
+        any_triangle_near(
+            self.scene.geometry(),
+            self.scene.bvh(),
+            &place::<R>(self.point.p, self.error, self.along),
+            is_in_the_way,
+        )
     }
 
     /// The plane of a triangle, if `offset` from the point is too near to it or beyond. `None` where the point itself is
@@ -103,10 +98,11 @@ impl<R: Real> Clearance<'_, R> {
         let ng = widen::<R>(self.ng);
         let mut offset = widen::<R>(offset);
         // From the lowest triangle to the highest, whatever order they are found in; and once more.
+        let place = place::<R>(self.point.p, self.error, self.along);
         let (mut next, mut rounds) = (0, 0);
         for _ in 0..TRIANGLES {
             let mut lowest: Option<(u32, Plane<R>)> = None;
-            any_triangle_near(self.scene.geometry(), self.scene.bvh(), &self.place(), |index, corners| {
+            any_triangle_near(self.scene.geometry(), self.scene.bvh(), &place, |index, corners| {
                 if index >= next
                     && lowest.as_ref().is_none_or(|(found, _)| index < *found)
                     && let Some(plane) = self.plane(corners, offset)
@@ -135,6 +131,17 @@ impl<R: Real> Clearance<'_, R> {
         }
         narrow::<R>(offset)
     }
+}
+
+/// The box around a point in which other triangles matter: no further than the point can be beyond them, by its `error` on
+/// each axis and `along` the surface.
+#[inline(always)]
+pub(crate) fn place<R: Real>(p: Vec3<R>, error: Vec3<R>, along: R) -> Bounds<R> {
+    let reach = (error + Vec3::<R>::splat(along)) * R::from_f64(f64::from(ERRORS_BEYOND));
+    let mut place = Bounds::EMPTY;
+    place.grow(p - reach);
+    place.grow(p + reach);
+    place
 }
 
 /// The larger of each component.

@@ -23,6 +23,13 @@ pub(crate) struct Departure<R: Real> {
 }
 
 impl<R: Real> Departure<R> {
+    /// Off a surface, to the side of the unit normal `ng`; `t` is that of the ray that found the point.
+    #[inline(always)]
+    pub(crate) fn off(p: Vec3<R>, p_error: Vec3<R>, t: R, ng: Vec3<R>) -> Self {
+        let offset = ng * offset_distance::<R>(p, p_error, ng);
+        Self { error: origin_error::<R>(p, p_error, t), ..Self::exactly(p + offset) }
+    }
+
     /// Exactly from `origin`, and from no surface.
     #[inline]
     pub(crate) fn exactly(origin: Vec3<R>) -> Self {
@@ -61,12 +68,9 @@ impl<R: Real> Arrival<'_, R> {
         if const { matches!(E::ACCURACY.offset, RayOffset::Constant) } {
             return Departure::exactly(point.p + ng * R::from_f64(CONSTANT_OFFSET));
         }
-        let offset = ng * offset_distance::<R>(point.p, point.p_error, ng);
         let mut departure = Departure {
-            origin: point.p + offset,
-            error: origin_error::<R>(point.p, point.p_error, hit.t),
             sphere: outside_of::<R, E>(scene, hit.primitive, front),
-            light: NO_PRIMITIVE,
+            ..Departure::off(point.p, point.p_error, hit.t, ng)
         };
         let clears =
             const { matches!(E::ACCURACY.offset, RayOffset::Cleared) && E::EFFECTS.contains(Effects::TRIANGLES) };
@@ -77,6 +81,7 @@ impl<R: Real> Arrival<'_, R> {
         // through a sphere are not looked after.)
         let seen_from = if same_side { Some(self.ray.origin) } else { scene.geometry().middle(hit.primitive) };
         if let Some(viewer) = seen_from {
+            let offset = ng * offset_distance::<R>(point.p, point.p_error, ng);
             let error = error_box::<R>(point.p, point.p_error);
             let along = distance_error::<R>(hit.t);
             let clearance = Clearance { scene, point, viewer, ng, error, along };

@@ -59,6 +59,15 @@ effects! {
     15 AIM "aim" "Diffuse directions that aim at light and what gathers it.";
 }
 
+/// [`EffectSet`] without spheres: for searches after which only triangles are left.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrianglesOf<E>(core::marker::PhantomData<E>);
+
+impl<E: EffectSet> EffectSet for TrianglesOf<E> {
+    const EFFECTS: Effects = E::EFFECTS.without(Effects::SPHERES);
+    const ACCURACY: Accuracy = E::ACCURACY;
+}
+
 impl Effects {
     /// No effect.
     pub const NONE: Self = Self(0);

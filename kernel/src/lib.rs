@@ -49,6 +49,7 @@ pub mod texture;
 mod vector;
 pub mod view;
 pub mod warp;
+mod wavefront;
 
 pub use accuracy::Accuracy;
 pub use aim::Aim;

@@ -163,7 +163,7 @@ pub fn radiance<R: Real, E: EffectSet>(
 
 /// Whether the segment after the last scattering event can add anything: it can only end at light.
 #[inline]
-fn last_segment_counts<R: Real>(scene: &Scene<'_, R>, sees_lights: bool) -> bool {
+pub(crate) fn last_segment_counts<R: Real>(scene: &Scene<'_, R>, sees_lights: bool) -> bool {
     let effects = scene.required_effects();
     effects.intersects(Effects::EMISSION.union(Effects::BACKGROUND))
         || (sees_lights && effects.contains(Effects::SPHERE_LIGHT))
@@ -171,7 +171,11 @@ fn last_segment_counts<R: Real>(scene: &Scene<'_, R>, sees_lights: bool) -> bool
 
 /// Albedo of a diffuse surface at a point, with its texture.
 #[inline]
-fn albedo<R: Real, E: EffectSet>(scene: &Scene<'_, R>, point: &SurfacePoint<R>, surface: &Diffuse<R>) -> Vec3<R> {
+pub(crate) fn albedo<R: Real, E: EffectSet>(
+    scene: &Scene<'_, R>,
+    point: &SurfacePoint<R>,
+    surface: &Diffuse<R>,
+) -> Vec3<R> {
     match surface.texture {
         Some(texture) if const { E::EFFECTS.contains(Effects::TEXTURES) } => {
             surface.albedo * scene.textures()[texture as usize].lookup(point.uv)
@@ -186,7 +190,7 @@ const ROULETTE_BELOW: f64 = 0.25;
 /// Roulette: a path whose largest throughput is below [`ROULETTE_BELOW`] lives with the probability of their ratio (at
 /// least 1/20, so that no weight grows beyond 20 times), and what lives is worth more in turn. Unbiased.
 #[inline]
-fn survival<R: Real>(throughput: Vec3<R>, number: u32) -> Option<R> {
+pub(crate) fn survival<R: Real>(throughput: Vec3<R>, number: u32) -> Option<R> {
     let least = R::from_f64(0.05);
     let ratio = throughput.max_component() * R::from_f64(1.0 / ROULETTE_BELOW);
     let probability = if ratio > least { ratio } else { least };

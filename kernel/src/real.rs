@@ -51,6 +51,8 @@ pub trait Real:
     const MAX: Self;
     /// The smallest finite value, `-MAX`.
     const LOWEST: Self;
+    /// Above all finite values.
+    const INFINITY: Self;
     /// Not a number.
     const NAN: Self;
     /// The smallest positive value with a full significand.
@@ -123,6 +125,7 @@ impl Real for f32 {
     const ONE: Self = 1.0;
     const MAX: Self = f32::MAX;
     const LOWEST: Self = f32::MIN;
+    const INFINITY: Self = f32::INFINITY;
     const NAN: Self = f32::NAN;
     const MIN_POSITIVE: Self = f32::MIN_POSITIVE;
     const UNIT_ROUNDOFF: Self = f32::EPSILON * 0.5;
@@ -159,7 +162,7 @@ impl Real for f32 {
 
     #[inline]
     fn sqrt(self) -> Self {
-        libm::sqrtf(self)
+        glam::Vec2::new(self, 0.0).sqrt().x
     }
 
     #[inline]
@@ -234,6 +237,7 @@ impl Real for f64 {
     const ONE: Self = 1.0;
     const MAX: Self = f64::MAX;
     const LOWEST: Self = f64::MIN;
+    const INFINITY: Self = f64::INFINITY;
     const NAN: Self = f64::NAN;
     const MIN_POSITIVE: Self = f64::MIN_POSITIVE;
     const UNIT_ROUNDOFF: Self = f64::EPSILON * 0.5;
@@ -270,7 +274,7 @@ impl Real for f64 {
 
     #[inline]
     fn sqrt(self) -> Self {
-        libm::sqrt(self)
+        glam::DVec2::new(self, 0.0).sqrt().x
     }
 
     #[inline]

@@ -64,6 +64,12 @@ impl<R: Real> View<'_, R> {
         radiance::<R, E>(self.scene, self.options, ray, sampler)
     }
 
+    /// [`View::render`] with many paths side by side.
+    #[inline(always)]
+    pub fn render_wavefront<E: EffectSet>(&self, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work {
+        crate::wavefront::render::<R, E>(self, x, y, samples, pixels)
+    }
+
     /// Adds `samples` to each of `pixels`, which lie side by side from column `x` of row `y`.
     ///
     /// The result depends on nothing but the view and the sample numbers: not on the order of calls, on how pixels

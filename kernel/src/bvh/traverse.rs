@@ -55,12 +55,25 @@ pub(crate) fn search<R: Real, E: EffectSet, const ANY: bool>(
         None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray, from), &mut best),
         Some(bvh) if bvh.nodes.is_empty() => return None,
         Some(bvh) => {
-            let ray = &PreparedRay::new_in::<E, true>(ray, from);
-            let root = Waiting { near: ray.tmin, child: 0 };
-            best = descend::<R, E, ANY, FEW>(geometry, bvh, ray, &[root], best);
+            best = search_on::<R, E, ANY>(geometry, bvh, ray, from, best);
         }
     }
     (best.primitive != NO_PRIMITIVE).then_some(best)
+}
+
+/// Goes on with a search that found `best` so far, or nothing, among what `E` has of a hierarchy's primitives. The ray must
+/// be valid, and the hierarchy one of `geometry`.
+#[inline(always)]
+pub(crate) fn search_on<R: Real, E: EffectSet, const ANY: bool>(
+    geometry: &Geometry<'_, R>,
+    bvh: &Bvh<'_, R>,
+    ray: &Ray<R>,
+    from: &Departure<R>,
+    best: Hit<R>,
+) -> Hit<R> {
+    let ray = &PreparedRay::new_in::<E, true>(ray, from);
+    let root = Waiting { near: ray.tmin, child: 0 };
+    descend::<R, E, ANY, FEW>(geometry, bvh, ray, &[root], best)
 }
 
 /// Whether all there is are a few spheres in one leaf: a look at its box would cost about as much as they do.

@@ -57,10 +57,7 @@ pub(crate) fn direct<R: Real, E: EffectSet>(
 ) -> Vec3<R> {
     let mut sum = Vec3::<R>::ZERO;
     for (index, light) in scene.lights().iter().enumerate() {
-        // Steps of the R2 sequence (Roberts 2018): neighbouring lights land far apart.
-        let shift = index as u32;
-        let u = R::from_unit_bits(numbers[0].wrapping_add(shift.wrapping_mul(0xC13F_A9A9)));
-        let v = R::from_unit_bits(numbers[1].wrapping_add(shift.wrapping_mul(0x91E1_0DA5)));
+        let [u, v] = numbers_of(index, [numbers[0], numbers[1]]);
         let sampled = match light {
             Light::Point(light) if const { E::EFFECTS.contains(Effects::POINT_LIGHT) } => light.sample(point),
             // From its own outside no light is seen.
@@ -79,8 +76,23 @@ pub(crate) fn direct<R: Real, E: EffectSet>(
         let shadow = Ray { tmax: shadow_tmax::<R>(), ..Ray::new(departure.origin, sampled.target - departure.origin) };
         *rays += 1;
         if !scene.occluded_from::<E>(&shadow, &Departure { light: sampled.sphere, ..*departure }) {
-            sum = sum + sampled.weight * (cosine * R::from_f64(core::f64::consts::FRAC_1_PI));
+            sum = sum + reflected::<R>(sampled.weight, cosine);
         }
     }
     sum
+}
+
+/// The numbers of light `index`: steps of the R2 sequence (Roberts 2018), so that neighbouring lights land far apart.
+#[inline(always)]
+pub(crate) fn numbers_of<R: Real>(index: usize, [u, v]: [u32; 2]) -> [R; 2] {
+    let shift = index as u32;
+    let u = u.wrapping_add(shift.wrapping_mul(0xC13F_A9A9));
+    let v = v.wrapping_add(shift.wrapping_mul(0x91E1_0DA5));
+    [u, v].map(R::from_unit_bits)
+}
+
+/// What a diffuse surface of albedo 1 reflects of a light sample's `weight`.
+#[inline(always)]
+pub(crate) fn reflected<R: Real>(weight: Vec3<R>, cosine: R) -> Vec3<R> {
+    weight * (cosine * R::from_f64(core::f64::consts::FRAC_1_PI))
 }

@@ -1,7 +1,7 @@
 //! Spherical lights: a sphere of the scene, looked at where it is.
 
 use super::LightSample;
-use crate::real::{Real, Vector, WideVec3, greater, narrow, widen};
+use crate::real::{Real, Vec3, Vector, WideVec3, greater, narrow, widen};
 use crate::robust::{gamma, offset_ray_origin};
 use crate::scene::Scene;
 use crate::shape::Sphere;
@@ -39,29 +39,53 @@ impl SphereLight {
         u: R,
         v: R,
     ) -> Option<LightSample<R>> {
+        let (sphere, emission) = self.body(scene);
+        let to_center = widen::<R>(sphere.center) - widen::<R>(point.p);
+        let square = to_center.dot(to_center);
+        match sampling {
+            LightSampling::None => None,
+            LightSampling::Hemisphere if !is_inside(sphere, square) => {
+                let (outward, wi, inverse_pdf) = hemisphere(sphere, to_center, square, u, v)?;
+                let end = sphere.point_toward(outward);
+                let target = offset_ray_origin::<R>(end.p, end.p_error, end.outward, -narrow::<R>(wi));
+                let weight = emission * R::narrow(inverse_pdf);
+                Some(LightSample { wi: narrow::<R>(wi), target, sphere: self.sphere, weight })
+            }
+            LightSampling::Hemisphere | LightSampling::Cone => Some(self.sample_cone(sphere, emission, point.p, u, v)),
+        }
+    }
+
+    /// The sphere, and the radiance it emits.
+    #[inline]
+    pub(crate) fn body<'a, R: Real>(&self, scene: &Scene<'a, R>) -> (&'a Sphere<R>, Vec3<R>) {
         let sphere = &scene.geometry().spheres()[self.sphere as usize];
-        let emission = scene.materials()[sphere.material as usize].emission;
-        let p = widen::<R>(point.p);
+        (sphere, scene.materials()[sphere.material as usize].emission)
+    }
+
+    /// A direction from `p` that is uniform in the solid angle of the sphere.
+    #[inline(always)]
+    pub(crate) fn sample_cone<R: Real>(
+        &self,
+        sphere: &Sphere<R>,
+        emission: Vec3<R>,
+        p: Vec3<R>,
+        u: R,
+        v: R,
+    ) -> LightSample<R> {
+        let p = widen::<R>(p);
         let to_center = widen::<R>(sphere.center) - p;
         let square = to_center.dot(to_center);
-        let radius = sphere.radius.widen();
-        let inside = !(square > radius * radius);
-        let (wi, target, inverse_pdf) = match sampling {
-            LightSampling::None => return None,
-            LightSampling::Hemisphere if !inside => {
-                let (outward, wi, inverse_pdf) = hemisphere(sphere, to_center, square, u, v)?;
-                let target = sphere.point_toward(outward);
-                let off = offset_ray_origin::<R>(target.p, target.p_error, target.outward, -narrow::<R>(wi));
-                (wi, off, inverse_pdf)
-            }
-            LightSampling::Hemisphere | LightSampling::Cone => {
-                let (wi, t, solid_angle) = uniform(sphere, to_center, square, inside, u, v);
-                (wi, narrow::<R>(p + wi * t), solid_angle)
-            }
-        };
-        let weight = emission * R::narrow(inverse_pdf);
-        Some(LightSample { wi: narrow::<R>(wi), target, sphere: self.sphere, weight })
+        let (wi, t, solid_angle) = uniform(sphere, to_center, square, is_inside(sphere, square), u, v);
+        let weight = emission * R::narrow(solid_angle);
+        LightSample { wi: narrow::<R>(wi), target: narrow::<R>(p + wi * t), sphere: self.sphere, weight }
     }
+}
+
+/// Whether a point whose squared distance from the centre is `square` is inside.
+#[inline(always)]
+fn is_inside<R: Real>(sphere: &Sphere<R>, square: R::Wide) -> bool {
+    let radius = sphere.radius.widen();
+    !(square > radius * radius)
 }
 
 /// A direction that is uniform in the solid angle of the sphere, how far it goes to just before the sphere, and the

@@ -22,9 +22,15 @@ pub(crate) fn cosine<R: Real>(facing: &Facing<R>, wi: Vec3<R>) -> R {
     if cosine > R::ZERO && facing.ng.dot(wi) > R::ZERO { cosine } else { R::ZERO }
 }
 
+/// A direction with the density of the cosine about the shading normal.
+#[inline(always)]
+pub(crate) fn direction<R: Real>(facing: &Facing<R>, u: R, v: R) -> Vec3<R> {
+    to_world::<R>(facing.ns, cosine_hemisphere(u, v))
+}
+
 /// A direction with the density of the cosine; the weight is the albedo. `None` where it would pass the surface.
 #[inline]
 pub(crate) fn sample<R: Real>(facing: &Facing<R>, albedo: Vec3<R>, u: R, v: R) -> Option<BsdfSample<R>> {
-    let wi = to_world::<R>(facing.ns, cosine_hemisphere(u, v));
+    let wi = direction(facing, u, v);
     (facing.ng.dot(wi) > R::ZERO).then_some(BsdfSample { wi, weight: albedo, delta: false })
 }

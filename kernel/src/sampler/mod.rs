@@ -49,6 +49,24 @@ pub enum SamplerKind {
     Sobol,
 }
 
+/// What [`AddressedSampler`] gives for independent numbers.
+#[inline(always)]
+pub(crate) fn independent(seed: u64, x: u32, y: u32, sample: u32, vertex: u32, block: Block) -> [u32; 4] {
+    philox::<ROUNDS>([pixel(x, y), sample, vertex, block as u32], key(seed))
+}
+
+/// Row and column, 16 bits each.
+#[inline(always)]
+fn pixel(x: u32, y: u32) -> u32 {
+    (y << 16) | (x & 0xFFFF)
+}
+
+/// The seed, low half first.
+#[inline(always)]
+fn key(seed: u64) -> [u32; 2] {
+    [seed as u32, (seed >> 32) as u32]
+}
+
 /// The kernel's own numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct AddressedSampler {
@@ -67,13 +85,7 @@ impl AddressedSampler {
     /// others.
     #[inline]
     pub fn new(seed: u64, x: u32, y: u32, sample: u32) -> Self {
-        Self {
-            place: None,
-            key: [seed as u32, (seed >> 32) as u32],
-            pixel: (y << 16) | (x & 0xFFFF),
-            sample,
-            vertex: 0,
-        }
+        Self { place: None, key: key(seed), pixel: pixel(x, y), sample, vertex: 0 }
     }
 
     /// The same address with numbers of another kind.

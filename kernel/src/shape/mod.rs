@@ -26,6 +26,9 @@ const SQUARE_RANGE: [f64; 2] = [1.0 / ((1u128 << 80) as f64), (1u128 << 80) as f
 /// Coordinates up to which the square of a distance does not overflow: 2^61.
 const REACH: f64 = (1u64 << 61) as f64;
 
+/// Coordinates up to which the square of a distance does not overflow, even times this number: 2^40.
+const NEAR: f64 = (1u64 << 40) as f64;
+
 /// A ray with all that is computed once per query.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay<R: Real> {
@@ -103,6 +106,17 @@ impl<R: Real> PreparedRay<R> {
                 Shear::NONE
             },
         }
+    }
+
+    /// One over the squared length of a ray's direction, if that is above 2^-40 and below 2^80, and the origin nearer than
+    /// [`Sphere::is_near`] asks of spheres.
+    #[inline(always)]
+    pub(crate) fn inverse_square_in_range(ray: &Ray<R>) -> Option<R> {
+        let square = R::narrow(R::squared_length(ray.direction.to_array()));
+        let in_range = square > R::from_f64(1.0 / NEAR)
+            && square < R::from_f64(SQUARE_RANGE[1])
+            && ray.origin.abs().max_component() < R::from_f64(NEAR);
+        if in_range { Some(R::ONE / square) } else { None }
     }
 
     /// Whether a sphere is one that it is not to meet: the one it leaves, the light it ends before.

@@ -29,6 +29,14 @@ pub(crate) struct SpherePoint<R: Real> {
 }
 
 impl<R: Real> Sphere<R> {
+    /// Whether squares of distances from it do not overflow, even over those of the directions of
+    /// [`PreparedRay::inverse_square_in_range`].
+    #[inline]
+    pub(crate) fn is_near(&self) -> bool {
+        let near = R::from_f64(super::NEAR);
+        self.center.abs().max_component() < near && self.radius < near
+    }
+
     /// Its box, wider than computed by what the roundings of its corners can take away.
     #[inline]
     pub fn bounds(&self) -> Bounds<R> {
@@ -52,7 +60,7 @@ impl<R: Real> Sphere<R> {
     /// axis overflows: the reciprocal of one that the ray has yet to enter is less than `2^85`. So it takes the wide
     /// test, in a precision that adds bits, and padded boxes.
     #[inline(always)]
-    pub(super) fn has_in_box(&self, ray: &PreparedRay<R>, t: R) -> bool {
+    pub(crate) fn has_in_box(&self, ray: &PreparedRay<R>, t: R) -> bool {
         let reach = self.radius * R::from_f64((1u32 << 19) as f64);
         // Not where either product over- or underflows, and not where the ray's square is NaN.
         t * t * ray.square < reach * reach
@@ -69,7 +77,7 @@ impl<R: Real> Sphere<R> {
 
     /// [`Sphere::intersect`] as accurately as a kernel asks.
     #[inline(always)]
-    pub(super) fn intersect_in<E: EffectSet>(&self, ray: &PreparedRay<R>, tmax: R) -> Option<R> {
+    pub(crate) fn intersect_in<E: EffectSet>(&self, ray: &PreparedRay<R>, tmax: R) -> Option<R> {
         let [near, far] = self.crossings::<E>(ray)?;
         let t = if near > ray.tmin { near } else { far };
         if t > ray.tmin && t <= tmax { Some(t) } else { None }

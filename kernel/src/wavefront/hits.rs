@@ -1,0 +1,296 @@
+//! The ray queries of all lanes.
+
+use super::columns::{Column, LANES, Vectors};
+use super::reach::{Line, Reach, occlusion, reach};
+use crate::bvh::{self, Bounds, Bvh, Slabs};
+use crate::departure::Departure;
+use crate::effects::{EffectSet, Effects, TrianglesOf};
+use crate::ray::{Hit, NO_PRIMITIVE, Ray};
+use crate::real::{Real, Vector, greater, lesser};
+use crate::scene::Scene;
+use crate::shape::{PreparedRay, Sphere};
+
+/// Up to how many spheres are looked at one by one for all lanes. More are found through a hierarchy, lane by lane.
+const FEW_SPHERES: usize = 16;
+
+/// Rays of all lanes, from t = 0 on.
+pub(super) struct Rays<R: Real> {
+    pub(super) origin: Vectors<R>,
+    pub(super) direction: Vectors<R>,
+    pub(super) tmax: R,
+    /// As in [`Departure`].
+    pub(super) error: Column<R>,
+    pub(super) departed: Column<u32>,
+    pub(super) light: u32,
+}
+
+impl<R: Real> Rays<R> {
+    pub(super) fn none() -> Self {
+        Self {
+            origin: Vectors::ZERO,
+            direction: Vectors::ZERO,
+            tmax: R::MAX,
+            error: [R::ZERO; LANES],
+            departed: [NO_PRIMITIVE; LANES],
+            light: NO_PRIMITIVE,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn ray(&self, lane: usize) -> Ray<R> {
+        Ray { tmax: self.tmax, ..Ray::new(self.origin.at(lane), self.direction.at(lane)) }
+    }
+
+    #[inline(always)]
+    pub(super) fn departure(&self, lane: usize) -> Departure<R> {
+        let [sphere, light] = [self.departed[lane], self.light];
+        Departure { origin: self.origin.at(lane), error: self.error[lane], sphere, light }
+    }
+}
+
+/// The hits of all lanes.
+pub(super) struct Hits<R: Real> {
+    pub(super) t: Column<R>,
+    pub(super) u: Column<R>,
+    pub(super) v: Column<R>,
+    pub(super) primitive: Column<u32>,
+}
+
+impl<R: Real> Hits<R> {
+    pub(super) fn none() -> Self {
+        Self { t: [R::ZERO; LANES], u: [R::ZERO; LANES], v: [R::ZERO; LANES], primitive: [NO_PRIMITIVE; LANES] }
+    }
+
+    #[inline(always)]
+    pub(super) fn at(&self, lane: usize) -> Hit<R> {
+        Hit { t: self.t[lane], u: self.u[lane], v: self.v[lane], primitive: self.primitive[lane] }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, hit: Hit<R>) {
+        self.t[lane] = hit.t;
+        self.u[lane] = hit.u;
+        self.v[lane] = hit.v;
+        self.primitive[lane] = hit.primitive;
+    }
+}
+
+/// What of a scene all lanes are tested against at once: few spheres, and the box around all triangles.
+pub(super) struct Few<'a, R: Real> {
+    pub(super) spheres: &'a [Sphere<R>],
+    pub(super) triangles: Bounds<R>,
+    /// Where triangles are; needed only for them.
+    bvh: Option<&'a Bvh<'a, R>>,
+}
+
+impl<'a, R: Real> Few<'a, R> {
+    /// `None` where there are too many spheres, or where bounds by rounded numbers prove nothing; and where triangles are
+    /// in no hierarchy, which would say where they all are.
+    #[inline(always)]
+    pub(super) fn of<E: EffectSet>(scene: &'a Scene<'a, R>) -> Option<Self> {
+        let geometry = scene.geometry();
+        let spheres = geometry.spheres();
+        let bvh = scene.bvh().filter(|bvh| bvh.fits(geometry));
+        let proved = const { !R::WIDE_IS_SELF && E::ACCURACY.proves_boxes_of_spheres() };
+        if !proved || spheres.len() > FEW_SPHERES || !spheres.iter().all(Sphere::is_near) {
+            return None;
+        }
+        let triangles = match bvh {
+            _ if geometry.triangles().is_empty() => Bounds::EMPTY,
+            Some(bvh) => bvh.box_of_triangles(),
+            None => return None,
+        };
+        Some(Self { spheres, triangles, bvh })
+    }
+
+    /// Whether a ray may meet a triangle before `tmax`.
+    #[inline(always)]
+    fn may_meet_triangles<E: EffectSet>(&self, ray: &Ray<R>, tmax: R) -> bool {
+        let slabs = Slabs::new::<E>(ray.origin.to_array(), ray.direction.to_array().map(|d| R::ONE / d));
+        self.triangles.entry_between(&slabs, R::ZERO, tmax).is_some()
+    }
+
+    /// Goes on with the search of a lane that has found `best` among the spheres.
+    #[inline(always)]
+    fn search_triangles<E: EffectSet, const ANY: bool>(
+        &self,
+        scene: &Scene<'_, R>,
+        rays: &Rays<R>,
+        lane: usize,
+        best: Hit<R>,
+    ) -> Hit<R> {
+        let Some(bvh) = self.bvh else { return best };
+        let (ray, from) = (rays.ray(lane), rays.departure(lane));
+        bvh::search_on::<R, TrianglesOf<E>, ANY>(scene.geometry(), bvh, &ray, &from, best)
+    }
+}
+
+/// What bounds need of the ray of each lane, and whether they prove nothing for it.
+struct Lines<R: Real> {
+    inverse_square: Column<R>,
+    inverse_length: Column<R>,
+    odd: Column<u32>,
+}
+
+impl<R: Real> Lines<R> {
+    #[inline(always)]
+    fn of(rays: &Rays<R>) -> Self {
+        let mut lines = Self { inverse_square: [R::ONE; LANES], inverse_length: [R::ONE; LANES], odd: [0; LANES] };
+        for lane in 0..LANES {
+            let found = PreparedRay::inverse_square_in_range(&rays.ray(lane));
+            let inverse_square = found.unwrap_or(R::ONE);
+            lines.inverse_square[lane] = inverse_square;
+            lines.inverse_length[lane] = inverse_square.sqrt();
+            lines.odd[lane] = u32::from(found.is_none());
+        }
+        lines
+    }
+
+    #[inline(always)]
+    fn at(&self, rays: &Rays<R>, lane: usize) -> Line<R> {
+        Line {
+            origin: rays.origin.at(lane),
+            direction: rays.direction.at(lane),
+            inverse_square: self.inverse_square[lane],
+            inverse_length: self.inverse_length[lane],
+            error: rays.error[lane],
+        }
+    }
+}
+
+/// The closest hit of each wanted lane.
+#[inline(always)]
+pub(super) fn closest<R: Real, E: EffectSet>(
+    scene: &Scene<'_, R>,
+    few: Option<&Few<'_, R>>,
+    rays: &Rays<R>,
+    wanted: &Column<bool>,
+    hits: &mut Hits<R>,
+) {
+    let search = |lane: usize| {
+        let found = bvh::search::<R, E, false>(scene.geometry(), scene.bvh(), &rays.ray(lane), &rays.departure(lane));
+        found.unwrap_or(Hit::none(rays.tmax))
+    };
+    let Some(few) = few else {
+        for lane in 0..LANES {
+            if wanted[lane] {
+                hits.set(lane, search(lane));
+            }
+        }
+        return;
+    };
+
+    let odd = closest_sphere::<R, E>(few.spheres, rays, hits);
+    for lane in 0..LANES {
+        if odd[lane] != 0 && wanted[lane] {
+            hits.set(lane, search(lane));
+        }
+    }
+    if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
+        let mut near = [0u32; LANES];
+        for lane in 0..LANES {
+            near[lane] = u32::from(few.may_meet_triangles::<E>(&rays.ray(lane), hits.t[lane]));
+        }
+        for lane in 0..LANES {
+            if near[lane] != 0 && odd[lane] == 0 && wanted[lane] {
+                hits.set(lane, few.search_triangles::<E, false>(scene, rays, lane, hits.at(lane)));
+            }
+        }
+    }
+}
+
+/// The closest hit of each lane among few spheres; and where it is not certain which.
+#[inline(always)]
+fn closest_sphere<R: Real, E: EffectSet>(spheres: &[Sphere<R>], rays: &Rays<R>, hits: &mut Hits<R>) -> Column<u32> {
+    let never = R::INFINITY;
+    let lines = Lines::of(rays);
+    // The two that may be met first, and when one is met at the latest.
+    let (mut first, mut second, mut latest) = ([never; LANES], [never; LANES], [R::MAX; LANES]);
+    let mut index = [0u32; LANES];
+    for (number, sphere) in spheres.iter().enumerate() {
+        let number = number as u32;
+        let (center, radius) = (sphere.center, sphere.radius);
+        for lane in 0..LANES {
+            let reach = reach::<R>(center, radius, &lines.at(rays, lane));
+            let left_out = rays.departed[lane] == number || rays.light == number;
+            let reach = if left_out { Reach { earliest: never, latest: never } } else { reach };
+            second[lane] = lesser(second[lane], greater(first[lane], reach.earliest));
+            index[lane] = if reach.earliest < first[lane] { number } else { index[lane] };
+            first[lane] = lesser(first[lane], reach.earliest);
+            latest[lane] = lesser(latest[lane], reach.latest);
+        }
+    }
+
+    let (mut centers, mut radii) = (Vectors::<R>::ZERO, [R::ONE; LANES]);
+    for lane in 0..LANES {
+        if let Some(sphere) = spheres.get(index[lane] as usize) {
+            centers.set(lane, sphere.center);
+            radii[lane] = sphere.radius;
+        }
+    }
+    let mut odd = lines.odd;
+    for lane in 0..LANES {
+        let sphere = Sphere { center: centers.at(lane), radius: radii[lane], material: 0, inverted: false };
+        let ray = PreparedRay::new_in::<E, false>(&rays.ray(lane), &rays.departure(lane));
+        let t = sphere.intersect_in::<E>(&ray, rays.tmax).unwrap_or(never);
+        let none = first[lane] > R::MAX;
+        let certain = t < never && sphere.has_in_box(&ray, t) && !(second[lane] <= latest[lane]);
+        odd[lane] |= u32::from(!none && !certain);
+        hits.t[lane] = if none { rays.tmax } else { t };
+        hits.u[lane] = R::ZERO;
+        hits.v[lane] = R::ZERO;
+        hits.primitive[lane] = if none { NO_PRIMITIVE } else { index[lane] };
+    }
+    odd
+}
+
+/// Whether anything is in the way of the ray of each wanted lane.
+#[inline(always)]
+pub(super) fn occluded<R: Real, E: EffectSet>(
+    scene: &Scene<'_, R>,
+    few: Option<&Few<'_, R>>,
+    rays: &Rays<R>,
+    wanted: &Column<bool>,
+) -> Column<bool> {
+    let search = |lane: usize| {
+        let (ray, from) = (rays.ray(lane), rays.departure(lane));
+        bvh::search::<R, E, true>(scene.geometry(), scene.bvh(), &ray, &from).is_some()
+    };
+    let Some(few) = few else {
+        return core::array::from_fn(|lane| wanted[lane] && search(lane));
+    };
+
+    let lines = Lines::of(rays);
+    let (mut maybe, mut met) = (lines.odd, [0u32; LANES]);
+    for (number, sphere) in few.spheres.iter().enumerate() {
+        let number = number as u32;
+        if rays.light == number {
+            continue;
+        }
+        let (center, radius) = (sphere.center, sphere.radius);
+        for lane in 0..LANES {
+            let (possible, certain) = occlusion::<R>(center, radius, &lines.at(rays, lane), rays.tmax);
+            let stays = rays.departed[lane] != number;
+            maybe[lane] |= u32::from(stays & possible);
+            met[lane] |= u32::from(stays & certain);
+        }
+    }
+    let mut near = [0u32; LANES];
+    if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
+        for lane in 0..LANES {
+            near[lane] = u32::from(few.may_meet_triangles::<E>(&rays.ray(lane), rays.tmax));
+        }
+    }
+    core::array::from_fn(|lane| {
+        if !wanted[lane] || met[lane] != 0 {
+            return wanted[lane];
+        }
+        if maybe[lane] != 0 {
+            return search(lane);
+        }
+        near[lane] != 0 && {
+            let found = few.search_triangles::<E, true>(scene, rays, lane, Hit::none(rays.tmax));
+            found.primitive != NO_PRIMITIVE
+        }
+    })
+}

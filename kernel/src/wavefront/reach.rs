@@ -1,0 +1,135 @@
+//! Between which bounds a ray meets a sphere, by rounded numbers alone.
+//!
+//! Lengths are divided by that of the ray's direction, so that they are values of t: `F` is the distance of the sphere's
+//! centre from the origin, `r` its radius, `foot` the t at which the ray is nearest to the centre, `u` the unit roundoff.
+//! Computed squares of distances, differences and `foot^2` are off by at most `gamma(30) (F^2 + r^2)` in all, as
+//! `SphereQuad::candidates` counts it, and `foot` by at most `gamma(9) F`. `gamma(64) (F^2 + r^2)` and, since
+//! `F <= |foot| + r` where the ray meets the sphere, `gamma(16) (|foot| + r)` cover them, with the roundings of what is
+//! computed from them, and those of the exact test, which are wide but for the last. What can underflow is covered by
+//! `MIN_POSITIVE`: squared lengths of directions and origins are in the range that
+//! [`crate::shape::PreparedRay::inverse_square_in_range`] asks for.
+
+use crate::real::{Real, Vec3, Vector, greater};
+use crate::robust::gamma;
+
+/// What bounds need of a ray.
+#[derive(Clone, Copy)]
+pub(super) struct Line<R: Real> {
+    pub(super) origin: Vec3<R>,
+    pub(super) direction: Vec3<R>,
+    /// One over the squared length of the direction, and over its length.
+    pub(super) inverse_square: R,
+    pub(super) inverse_length: R,
+    /// How far the origin may be from where it should.
+    pub(super) error: R,
+}
+
+/// Where in `t > 0` a ray meets a sphere, as `Sphere::intersect` finds it.
+#[derive(Clone, Copy)]
+pub(super) struct Reach<R> {
+    /// Not before; infinite where it certainly does not.
+    pub(super) earliest: R,
+    /// No later; infinite where it may not meet it.
+    pub(super) latest: R,
+}
+
+/// A sphere seen from the origin of a ray; all are values of t, or their squares.
+struct Seen<R> {
+    foot: R,
+    radius: R,
+    /// How deep in the sphere the origin is: `r^2 - F^2`.
+    depth: R,
+    /// Half the chord, squared; below zero beside the sphere.
+    half_square: R,
+    /// What both squares are off by, at most.
+    doubt: R,
+    /// What values of t are off by besides, at most.
+    slack: R,
+}
+
+#[inline(always)]
+fn see<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>) -> Seen<R> {
+    let to_center = center - line.origin;
+    let foot = to_center.dot(line.direction) * line.inverse_square;
+    let distance_square = to_center.dot(to_center) * line.inverse_square;
+    let radius = radius * line.inverse_length;
+    let radius_square = radius * radius;
+    let underflow = (line.inverse_square + R::ONE) * (R::MIN_POSITIVE * R::from_f64(64.0));
+    let depth = radius_square - distance_square;
+    Seen {
+        foot,
+        radius,
+        depth,
+        half_square: depth + foot * foot,
+        doubt: (radius_square + distance_square) * gamma::<R>(64) + underflow,
+        slack: (foot.abs() + radius) * gamma::<R>(16),
+    }
+}
+
+impl<R: Real> Seen<R> {
+    /// Whether the exact test certainly takes the origin for one outside of the sphere.
+    #[inline(always)]
+    fn is_outside(&self) -> bool {
+        self.depth < -self.doubt
+    }
+
+    /// Whether the exact test certainly takes the origin for one inside, as far as its own error lets it.
+    #[inline(always)]
+    fn is_inside(&self, line: &Line<R>) -> bool {
+        // A margin of twice the radius and the error, rounded; and it needs room for its own rounding.
+        let margin = self.radius * (line.error * line.inverse_length) * R::from_f64(4.0);
+        self.depth > self.doubt + margin
+    }
+
+    /// Whether the sphere's own box is met there without doubt: a quarter of what `Sphere::has_in_box` asks for.
+    #[inline(always)]
+    fn has_in_box(&self, t: R) -> bool {
+        t < self.radius * R::from_f64(f64::from(1u32 << 18))
+    }
+}
+
+/// Bounds on the nearest hit.
+#[inline(always)]
+pub(super) fn reach<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>) -> Reach<R> {
+    let seen = see::<R>(center, radius, line);
+    let Seen { foot, half_square, doubt, slack, .. } = seen;
+    let most = greater(half_square + doubt, R::ZERO).sqrt();
+    let least = greater(half_square - doubt, R::ZERO).sqrt();
+    // Both roots lie between these.
+    let near = [foot - most - slack, foot - least + slack];
+    let far = [foot + least - slack, foot + most + slack];
+
+    let enters = near[0] > R::ZERO;
+    let possible = half_square + doubt >= R::ZERO && far[1] > R::ZERO;
+    // The exact test drops what lies behind an origin outside of the sphere.
+    let leaves = far[0] > R::ZERO && (foot > slack || seen.is_inside(line));
+    let certain = half_square > doubt && (enters || leaves);
+    let earliest = if enters {
+        near[0]
+    } else if near[1] > R::ZERO {
+        R::ZERO
+    } else {
+        greater(far[0], R::ZERO)
+    };
+    let latest = if enters { near[1] } else { far[1] };
+    Reach {
+        earliest: if possible { earliest } else { R::INFINITY },
+        latest: if certain && seen.has_in_box(latest) { latest } else { R::INFINITY },
+    }
+}
+
+/// Whether a ray may meet a sphere in `0 < t <= tmax`, and whether it certainly does. Without a root: of hits only those
+/// are certain whose ray comes from outside, enters and passes the middle of its chord before `tmax`.
+#[inline(always)]
+pub(super) fn occlusion<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>, tmax: R) -> (bool, bool) {
+    let seen = see::<R>(center, radius, line);
+    let Seen { foot, half_square, doubt, slack, .. } = seen;
+    let outside = seen.is_outside();
+    let beside = half_square + doubt < R::ZERO;
+    let behind = outside & (foot < -slack);
+    // The squared distance of the centre from the end of the ray; beyond it lies what has yet to be reached there.
+    let left = foot - tmax;
+    let beyond = (half_square + doubt < left * left) & (left > slack);
+    let certain = outside & (half_square > doubt) & (foot > slack) & (foot + slack < tmax) & seen.has_in_box(foot);
+    (!(beside | behind | beyond), certain)
+}

@@ -1,0 +1,236 @@
+//! The steps that all lanes take together: [`crate::path::radiance`] for many paths.
+
+use core::ops::Range;
+
+use super::columns::{Column, LANES, Vectors};
+use super::departures::{Arrivals, Departures};
+use super::directions::{Directions, Kind};
+use super::hits::{Few, Hits, Rays, closest};
+use super::light::direct;
+use super::numbers::Addresses;
+use super::queue::Queue;
+use super::surfaces::Surfaces;
+use crate::effects::{EffectSet, Effects};
+use crate::film::{Pixel, to_sample};
+use crate::light::LightSampling;
+use crate::material::Scattering;
+use crate::path::{albedo, last_segment_counts, survival};
+use crate::ray::NO_PRIMITIVE;
+use crate::real::{Real, Vec3, Vector};
+use crate::sampler::{AddressedSampler, Block, Sampler, SamplerKind};
+use crate::view::{View, Work};
+
+/// The paths of all lanes.
+struct Paths<R: Real> {
+    rays: Rays<R>,
+    radiance: Vectors<R>,
+    throughput: Vectors<R>,
+    /// Whether there is a path.
+    live: Column<bool>,
+    sees_lights: Column<bool>,
+    bounce: Column<u32>,
+    /// Where in the queue the path is.
+    place: Column<usize>,
+    addresses: Addresses,
+}
+
+/// [`View::render`], many paths at a time.
+#[inline(always)]
+pub(crate) fn render<R: Real, E: EffectSet>(
+    view: &View<'_, R>,
+    x: u32,
+    y: u32,
+    samples: Range<u32>,
+    pixels: &mut [Pixel],
+) -> Work {
+    let View { scene, options, .. } = *view;
+    // Paths that end before their first segment.
+    if options.max_bounces == 0 && !last_segment_counts(scene, true) {
+        return view.render::<E>(x, y, samples, pixels);
+    }
+    let few = Few::of::<E>(scene);
+    let independent = !(const { E::EFFECTS.contains(Effects::SOBOL) } && options.sampler == SamplerKind::Sobol);
+    let mut queue = Queue::new(pixels, samples);
+    let mut paths = Paths {
+        rays: Rays::none(),
+        radiance: Vectors::ZERO,
+        throughput: Vectors::ZERO,
+        live: [false; LANES],
+        sees_lights: [false; LANES],
+        bounce: [0; LANES],
+        place: [0; LANES],
+        addresses: Addresses::new(options.seed, y, independent),
+    };
+    let (mut hits, mut surfaces) = (Hits::none(), Surfaces::none());
+    let (mut departures, mut directions) = (Departures::none(), Directions::none());
+    let mut rays = 0;
+    loop {
+        paths.start::<E>(view, [x, y], &mut queue);
+        let alive = paths.live.iter().filter(|live| **live).count();
+        if alive == 0 {
+            return Work { paths: queue.started() as u64, rays };
+        }
+        rays += alive as u64;
+        closest::<R, E>(scene, few.as_ref(), &paths.rays, &paths.live, &mut hits);
+        surfaces.find::<E>(scene, &paths.rays, &hits);
+        let (kinds, albedos) = paths.arrive::<E>(view, &hits, &surfaces, &mut queue);
+
+        let mut vertex = paths.bounce;
+        vertex.iter_mut().for_each(|vertex| *vertex += 1);
+        let numbers = paths.addresses.numbers(&vertex, Block::Scatter, &paths.live);
+        let from = Arrivals { scene, few: few.as_ref(), rays: &paths.rays, hits: &hits, surfaces: &surfaces };
+        departures.reflect::<E>(&from, &paths.live);
+        let is_diffuse = kinds.map(|kind| kind == Kind::Diffuse);
+        if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
+            let numbers = paths.addresses.numbers(&vertex, Block::Light, &is_diffuse);
+            let (arriving, shadows) = direct::<R, E>(options, &from, &departures, &numbers, &is_diffuse);
+            rays += shadows;
+            for lane in 0..LANES {
+                let more = paths.throughput.at(lane) * albedos.at(lane) * arriving.at(lane);
+                let more = if is_diffuse[lane] { more } else { Vec3::<R>::ZERO };
+                paths.radiance.set(lane, paths.radiance.at(lane) + more);
+            }
+        }
+        if const { E::EFFECTS.contains(Effects::INDIRECT) } && options.indirect {
+            directions.diffuse::<E>(options, &from, &kinds, &albedos, &numbers);
+        } else {
+            directions.found = [false; LANES];
+        }
+        if const { E::EFFECTS.intersects(Effects::MIRROR.union(Effects::GLASS)) } {
+            directions.specular::<E>(options, &from, &kinds, &numbers, &mut departures);
+        }
+        paths.go_on::<E>(view, &is_diffuse, &departures, &directions, &numbers[3], &mut queue);
+    }
+}
+
+impl<R: Real> Paths<R> {
+    /// A new path in each lane that has none.
+    #[inline(always)]
+    fn start<E: EffectSet>(&mut self, view: &View<'_, R>, [x, y]: [u32; 2], queue: &mut Queue<'_>) {
+        for lane in 0..LANES {
+            if self.live[lane] {
+                continue;
+            }
+            let Some(start) = queue.start() else { return };
+            let x = x.wrapping_add(start.pixel);
+            let mut sampler = AddressedSampler::new(view.options.seed, x, y, start.sample);
+            if const { E::EFFECTS.contains(Effects::SOBOL) } {
+                sampler = sampler.of_kind(view.options.sampler);
+            }
+            sampler.begin_vertex(0);
+            let ray = view.camera.ray::<E>(x, y, sampler.numbers(Block::Scatter));
+            self.rays.origin.set(lane, ray.origin);
+            self.rays.direction.set(lane, ray.direction);
+            self.rays.error[lane] = R::ZERO;
+            self.rays.departed[lane] = NO_PRIMITIVE;
+            self.radiance.set(lane, Vec3::<R>::ZERO);
+            self.throughput.set(lane, Vec3::<R>::ONE);
+            self.live[lane] = true;
+            self.sees_lights[lane] = true;
+            self.bounce[lane] = 0;
+            self.place[lane] = start.place;
+            self.addresses.column[lane] = x;
+            self.addresses.sample[lane] = start.sample;
+            self.addresses.sampler[lane] = sampler;
+        }
+    }
+
+    /// Counts what shines where rays arrive, and finds what each surface does, and its albedo where it is diffuse. Paths
+    /// that go no further end.
+    #[inline(always)]
+    fn arrive<E: EffectSet>(
+        &mut self,
+        view: &View<'_, R>,
+        hits: &Hits<R>,
+        surfaces: &Surfaces<R>,
+        queue: &mut Queue<'_>,
+    ) -> (Column<Kind>, Vectors<R>) {
+        let View { scene, options, .. } = *view;
+        let (mut kinds, mut albedos) = ([Kind::Ends; LANES], Vectors::ZERO);
+        for lane in 0..LANES {
+            if !self.live[lane] {
+                continue;
+            }
+            let shine = |radiance: Vec3<R>| self.radiance.at(lane) + self.throughput.at(lane) * radiance;
+            if hits.primitive[lane] == NO_PRIMITIVE {
+                if const { E::EFFECTS.contains(Effects::BACKGROUND) } {
+                    self.radiance.set(lane, shine(scene.background()));
+                }
+            } else {
+                let material = &scene.materials()[surfaces.material[lane] as usize];
+                if const { E::EFFECTS.intersects(Effects::EMISSION.union(Effects::SPHERE_LIGHT)) }
+                    && material.is_emissive()
+                    && (self.sees_lights[lane] || !scene.is_light(hits.primitive[lane]))
+                {
+                    self.radiance.set(lane, shine(material.emission));
+                }
+                kinds[lane] = match &material.scattering {
+                    _ if self.bounce[lane] == options.max_bounces => Kind::Ends,
+                    Scattering::Mirror(_) if const { E::EFFECTS.contains(Effects::MIRROR) } => Kind::Mirror,
+                    Scattering::Dielectric(_) if const { E::EFFECTS.contains(Effects::GLASS) } => Kind::Glass,
+                    Scattering::Diffuse(surface) => {
+                        let albedo = albedo::<R, E>(scene, &surfaces.point(lane), surface);
+                        albedos.set(lane, albedo);
+                        if albedo == Vec3::<R>::ZERO { Kind::Ends } else { Kind::Diffuse }
+                    }
+                    _ => Kind::Ends,
+                };
+            }
+            if kinds[lane] == Kind::Ends {
+                self.end(lane, queue);
+            }
+        }
+        (kinds, albedos)
+    }
+
+    /// The next segment of each path, or its end.
+    #[inline(always)]
+    fn go_on<E: EffectSet>(
+        &mut self,
+        view: &View<'_, R>,
+        is_diffuse: &Column<bool>,
+        departures: &Departures<R>,
+        directions: &Directions<R>,
+        roulette: &Column<u32>,
+        queue: &mut Queue<'_>,
+    ) {
+        let View { scene, options, .. } = *view;
+        let by_chance =
+            const { E::EFFECTS.contains(Effects::SPHERE_LIGHT) } && options.light_sampling == LightSampling::None;
+        self.rays.origin = departures.origin;
+        self.rays.direction = directions.wi;
+        self.rays.error = departures.error;
+        self.rays.departed = departures.sphere;
+        for lane in 0..LANES {
+            self.throughput.set(lane, self.throughput.at(lane) * directions.weight.at(lane));
+            self.sees_lights[lane] = !is_diffuse[lane] | by_chance;
+            self.bounce[lane] += 1;
+        }
+        let counts = [false, true].map(|sees_lights| last_segment_counts(scene, sees_lights));
+        for lane in 0..LANES {
+            if !self.live[lane] {
+                continue;
+            }
+            let mut goes_on = directions.found[lane]
+                && (self.bounce[lane] < options.max_bounces || counts[usize::from(self.sees_lights[lane])]);
+            if const { E::EFFECTS.contains(Effects::ROULETTE) }
+                && goes_on
+                && options.roulette_after.is_some_and(|after| self.bounce[lane] > after)
+            {
+                match survival::<R>(self.throughput.at(lane), roulette[lane]) {
+                    Some(compensation) => self.throughput.set(lane, self.throughput.at(lane) * compensation),
+                    None => goes_on = false,
+                }
+            }
+            if !goes_on {
+                self.end(lane, queue);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn end(&mut self, lane: usize, queue: &mut Queue<'_>) {
+        self.live[lane] = false;
+        queue.end(self.place[lane], to_sample::<R>(self.radiance.at(lane)));
+    }
+}

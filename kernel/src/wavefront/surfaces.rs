@@ -1,0 +1,118 @@
+//! The surface points of all lanes.
+
+use super::columns::{Column, LANES, Vectors};
+use super::hits::{Hits, Rays};
+use crate::effects::{EffectSet, Effects};
+use crate::real::Real;
+use crate::scene::Scene;
+use crate::shape::Sphere;
+use crate::surface::{Facing, SurfacePoint, surface_point};
+
+/// A [`SurfacePoint`] of each lane, and its [`Facing`].
+pub(super) struct Surfaces<R: Real> {
+    pub(super) p: Vectors<R>,
+    pub(super) p_error: Vectors<R>,
+    pub(super) ng: Vectors<R>,
+    ns: Vectors<R>,
+    pub(super) wo: Vectors<R>,
+    uv: [Column<R>; 2],
+    pub(super) material: Column<u32>,
+    /// Whether it is a sphere whose normal points inwards.
+    pub(super) inverted: Column<u32>,
+    pub(super) front: Column<bool>,
+    pub(super) facing_ng: Vectors<R>,
+    facing_ns: Vectors<R>,
+}
+
+impl<R: Real> Surfaces<R> {
+    pub(super) fn none() -> Self {
+        Self {
+            p: Vectors::ZERO,
+            p_error: Vectors::ZERO,
+            ng: Vectors::ZERO,
+            ns: Vectors::ZERO,
+            wo: Vectors::ZERO,
+            uv: [[R::ZERO; LANES]; 2],
+            material: [0; LANES],
+            inverted: [0; LANES],
+            front: [false; LANES],
+            facing_ng: Vectors::ZERO,
+            facing_ns: Vectors::ZERO,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn point(&self, lane: usize) -> SurfacePoint<R> {
+        SurfacePoint {
+            p: self.p.at(lane),
+            p_error: self.p_error.at(lane),
+            ng: self.ng.at(lane),
+            ns: self.ns.at(lane),
+            uv: [self.uv[0][lane], self.uv[1][lane]],
+            wo: self.wo.at(lane),
+            material: self.material[lane],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn facing(&self, lane: usize) -> Facing<R> {
+        Facing { front: self.front[lane], ng: self.facing_ng.at(lane), ns: self.facing_ns.at(lane) }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, point: SurfacePoint<R>) {
+        self.p.set(lane, point.p);
+        self.p_error.set(lane, point.p_error);
+        self.ng.set(lane, point.ng);
+        self.ns.set(lane, point.ns);
+        self.uv[0][lane] = point.uv[0];
+        self.uv[1][lane] = point.uv[1];
+        self.wo.set(lane, point.wo);
+        self.material[lane] = point.material;
+    }
+
+    /// Those of all hits; of spheres for all lanes at once, of triangles one by one.
+    #[inline(always)]
+    pub(super) fn find<E: EffectSet>(&mut self, scene: &Scene<'_, R>, rays: &Rays<R>, hits: &Hits<R>) {
+        let spheres = scene.geometry().spheres();
+        if const { E::EFFECTS.contains(Effects::SPHERES) } {
+            let (mut centers, mut radii) = (Vectors::<R>::ZERO, [R::ONE; LANES]);
+            for lane in 0..LANES {
+                if let Some(sphere) = spheres.get(hits.primitive[lane] as usize) {
+                    centers.set(lane, sphere.center);
+                    radii[lane] = sphere.radius;
+                    self.inverted[lane] = u32::from(sphere.inverted);
+                    self.material[lane] = sphere.material;
+                }
+            }
+            for lane in 0..LANES {
+                let sphere = Sphere { center: centers.at(lane), radius: radii[lane], material: 0, inverted: false };
+                let ray = rays.ray(lane);
+                let point = sphere.point_at(&ray, hits.t[lane]);
+                let ng = if self.inverted[lane] != 0 { -point.outward } else { point.outward };
+                self.p.set(lane, point.p);
+                self.p_error.set(lane, point.p_error);
+                self.ng.set(lane, ng);
+                self.ns.set(lane, ng);
+                self.wo.set(lane, -ray.direction);
+            }
+        }
+        if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
+            let triangles = spheres.len()..scene.geometry().len();
+            for lane in 0..LANES {
+                if triangles.contains(&(hits.primitive[lane] as usize)) {
+                    self.set(lane, surface_point::<R, E>(scene, &rays.ray(lane), &hits.at(lane)));
+                } else {
+                    self.uv[0][lane] = R::ZERO;
+                    self.uv[1][lane] = R::ZERO;
+                }
+            }
+        }
+        for lane in 0..LANES {
+            let facing = self.point(lane).toward_viewer::<E>();
+            self.front[lane] = facing.front;
+            self.facing_ng.set(lane, facing.ng);
+            self.facing_ns.set(lane, facing.ns);
+        }
+    }
+}
