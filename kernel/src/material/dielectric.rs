@@ -18,6 +18,14 @@ pub struct Dielectric<R: Real> {
     pub transmittance: Vec3<R>,
 }
 
+impl<R: Real> Dielectric<R> {
+    /// Indices of refraction on the side that light comes from (backwards: the viewer's) and beyond.
+    #[inline(always)]
+    pub(crate) fn iors(&self, entering: bool) -> [R; 2] {
+        if entering { [self.exterior_ior, self.interior_ior] } else { [self.interior_ior, self.exterior_ior] }
+    }
+}
+
 /// A sampled direction. Radiance is basic radiance, L / n^2: it does not change as it is refracted, and where light
 /// and camera are in the same medium it equals radiance.
 ///
@@ -33,8 +41,7 @@ pub fn sample<R: Real>(
     let Facing { ng, ns, .. } = *facing;
     let choice = R::Wide::from_unit_bits(choice);
     let entering = point.wo.dot(point.ng) >= R::ZERO;
-    let (ior_i, ior_t) =
-        if entering { (glass.exterior_ior, glass.interior_ior) } else { (glass.interior_ior, glass.exterior_ior) };
+    let [ior_i, ior_t] = glass.iors(entering);
     let attempt = |n: Vec3<R>| {
         let (wi, transmitted) = scatter::<R>(point.wo, n, ior_i.widen(), ior_t.widen(), model, choice);
         let side = ng.dot(wi);
@@ -52,8 +59,8 @@ pub fn sample<R: Real>(
 
 /// Reflects or refracts about `n`, which is on the side of `wo`. The tangential part of `wo` carries the sine, so
 /// nothing cancels near normal incidence; all in the wide precision.
-#[inline]
-fn scatter<R: Real>(
+#[inline(always)]
+pub(crate) fn scatter<R: Real>(
     wo: Vec3<R>,
     n: Vec3<R>,
     ior_i: R::Wide,

@@ -34,7 +34,7 @@ impl<R: Real> Departures<R> {
     }
 
     #[inline(always)]
-    fn set(&mut self, lane: usize, departure: Departure<R>) {
+    pub(super) fn set(&mut self, lane: usize, departure: Departure<R>) {
         self.origin.set(lane, departure.origin);
         self.error[lane] = departure.error;
         self.sphere[lane] = departure.sphere;

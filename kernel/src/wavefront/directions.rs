@@ -2,6 +2,7 @@
 
 use super::columns::{Column, LANES, Vectors};
 use super::departures::{Arrivals, Departures};
+use super::glass;
 use crate::aim;
 use crate::effects::{EffectSet, Effects};
 use crate::material::{BsdfSample, Scattering, dielectric, diffuse, mirror};
@@ -71,9 +72,9 @@ impl<R: Real> Directions<R> {
         self.weight = *albedos;
     }
 
-    /// Off mirrors and glass, and where they leave from.
+    /// Off mirrors, and glass where it is not done in groups ([`super::glass`]), and where they leave from.
     #[inline(always)]
-    pub(super) fn specular<E: EffectSet>(
+    pub(super) fn one_by_one<E: EffectSet>(
         &mut self,
         options: &PathOptions,
         from: &Arrivals<'_, R>,
@@ -82,7 +83,7 @@ impl<R: Real> Directions<R> {
         departures: &mut Departures<R>,
     ) {
         for lane in 0..LANES {
-            if !matches!(kinds[lane], Kind::Mirror | Kind::Glass) {
+            if !(kinds[lane] == Kind::Mirror || kinds[lane] == Kind::Glass && !glass::in_groups::<E>()) {
                 continue;
             }
             let (point, facing) = (from.surfaces.point(lane), from.surfaces.facing(lane));

@@ -12,6 +12,7 @@
 mod columns;
 mod departures;
 mod directions;
+mod glass;
 mod hits;
 mod light;
 mod numbers;

@@ -5,6 +5,7 @@ use core::ops::Range;
 use super::columns::{Column, LANES, Vectors};
 use super::departures::{Arrivals, Departures};
 use super::directions::{Directions, Kind};
+use super::glass;
 use super::hits::{Few, Hits, Rays, closest};
 use super::light::direct;
 use super::numbers::Addresses;
@@ -97,7 +98,10 @@ pub(crate) fn render<R: Real, E: EffectSet>(
             directions.found = [false; LANES];
         }
         if const { E::EFFECTS.intersects(Effects::MIRROR.union(Effects::GLASS)) } {
-            directions.specular::<E>(options, &from, &kinds, &numbers, &mut departures);
+            directions.one_by_one::<E>(options, &from, &kinds, &numbers, &mut departures);
+        }
+        if const { E::EFFECTS.contains(Effects::GLASS) && glass::in_groups::<E>() } {
+            glass::scatter(options.fresnel, &from, &kinds, &numbers[2], &mut departures, &mut directions);
         }
         paths.go_on::<E>(view, &is_diffuse, &departures, &directions, &numbers[3], &mut queue);
     }
