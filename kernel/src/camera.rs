@@ -125,8 +125,13 @@ impl<R: Real> Camera<R> {
     #[inline]
     pub fn ray<E: EffectSet>(&self, x: u32, y: u32, numbers: [u32; 4]) -> Ray<R> {
         let [u, v, lens_u, lens_v] = numbers.map(R::from_unit_bits);
-        let half = R::from_f64(0.5);
-        let [dx, dy] = match self.filter {
+        self.ray_through::<E>([x, y], self.offset::<E>(u, v), [lens_u, lens_v])
+    }
+
+    /// Where on the film a sample is, from the middle of its pixel, pixels.
+    #[inline(always)]
+    pub(crate) fn offset<E: EffectSet>(&self, u: R, v: R) -> [R; 2] {
+        match self.filter {
             Filter::Gaussian(stdev) if const { E::EFFECTS.contains(Effects::FILTER) } => {
                 gaussian(u, v).map(|offset| offset * R::from_f64(stdev))
             }
@@ -134,15 +139,21 @@ impl<R: Real> Camera<R> {
                 [u, v].map(|number| tent(number) * R::from_f64(radius))
             }
             Filter::Box(width) | Filter::Tent(width) | Filter::Gaussian(width) => {
-                [u, v].map(|number| (number - half) * R::from_f64(width))
+                [u, v].map(|number| (number - R::from_f64(0.5)) * R::from_f64(width))
             }
-        };
+        }
+    }
+
+    /// The ray through an [`Camera::offset`] from the middle of a pixel, and through a point of the lens.
+    #[inline(always)]
+    pub(crate) fn ray_through<E: EffectSet>(&self, [x, y]: [u32; 2], [dx, dy]: [R; 2], [u, v]: [R; 2]) -> Ray<R> {
+        let half = R::from_f64(0.5);
         let across = (R::from_f64(f64::from(x)) + half - self.half_width + dx) * self.pixel_size;
         let down = (R::from_f64(f64::from(y)) + half - self.half_height + dy) * self.pixel_size;
         let [right, up, forward] = self.axes;
         let direction = right * across - up * down + forward;
         if const { E::EFFECTS.contains(Effects::LENS) } && self.aperture_radius > R::ZERO {
-            let [lens_x, lens_y] = disk(lens_u, lens_v);
+            let [lens_x, lens_y] = disk(u, v);
             let on_lens = (right * lens_x + up * lens_y) * self.aperture_radius;
             let toward_focus = direction * self.focal_distance - on_lens;
             return Ray::new(self.position + on_lens, normalize::<R>(toward_focus));

@@ -20,6 +20,12 @@ impl Addresses {
         Self { seed, row, independent, column: [0; LANES], sample: [0; LANES], sampler }
     }
 
+    /// Whether samplers are not needed.
+    #[inline(always)]
+    pub(super) fn are_independent(&self) -> bool {
+        self.independent
+    }
+
     /// The four numbers of a block in each wanted lane.
     #[inline(always)]
     pub(super) fn numbers(&mut self, vertex: &Column<u32>, block: Block, wanted: &Column<bool>) -> [Column<u32>; 4] {

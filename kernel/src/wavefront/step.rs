@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::columns::{Column, LANES, Vectors};
+use super::columns::{Column, GROUP, LANES, Vectors, lanes_that};
 use super::departures::{Arrivals, Departures};
 use super::directions::{Directions, Kind};
 use super::glass;
@@ -18,7 +18,7 @@ use crate::material::Scattering;
 use crate::path::{albedo, last_segment_counts, survival};
 use crate::ray::NO_PRIMITIVE;
 use crate::real::{Real, Vec3, Vector};
-use crate::sampler::{AddressedSampler, Block, Sampler, SamplerKind};
+use crate::sampler::{AddressedSampler, Block, Sampler, SamplerKind, independent};
 use crate::view::{View, Work};
 
 /// The paths of all lanes.
@@ -111,31 +111,60 @@ impl<R: Real> Paths<R> {
     /// A new path in each lane that has none.
     #[inline(always)]
     fn start<E: EffectSet>(&mut self, view: &View<'_, R>, [x, y]: [u32; 2], queue: &mut Queue<'_>) {
-        for lane in 0..LANES {
-            if self.live[lane] {
-                continue;
+        let (lanes, count) = lanes_that(|lane| !self.live[lane]);
+        for lanes in lanes[..count].chunks(GROUP) {
+            let (mut columns, mut samples) = ([x; GROUP], [0; GROUP]);
+            let mut started = 0;
+            for (k, &lane) in lanes.iter().enumerate() {
+                let Some(start) = queue.start() else { break };
+                columns[k] = x.wrapping_add(start.pixel);
+                samples[k] = start.sample;
+                self.place[lane] = start.place;
+                started = k + 1;
             }
-            let Some(start) = queue.start() else { return };
-            let x = x.wrapping_add(start.pixel);
-            let mut sampler = AddressedSampler::new(view.options.seed, x, y, start.sample);
-            if const { E::EFFECTS.contains(Effects::SOBOL) } {
-                sampler = sampler.of_kind(view.options.sampler);
+            let mut numbers = [[0; GROUP]; 4];
+            if self.addresses.are_independent() {
+                for k in 0..GROUP {
+                    let four = independent(view.options.seed, columns[k], y, samples[k], 0, Block::Scatter);
+                    for (column, number) in numbers.iter_mut().zip(four) {
+                        column[k] = number;
+                    }
+                }
+            } else {
+                for k in 0..started {
+                    let sampler = AddressedSampler::new(view.options.seed, columns[k], y, samples[k]);
+                    let sampler = sampler.of_kind(view.options.sampler);
+                    for (column, number) in numbers.iter_mut().zip(sampler.numbers(Block::Scatter)) {
+                        column[k] = number;
+                    }
+                    self.addresses.sampler[lanes[k]] = sampler;
+                }
             }
-            sampler.begin_vertex(0);
-            let ray = view.camera.ray::<E>(x, y, sampler.numbers(Block::Scatter));
-            self.rays.origin.set(lane, ray.origin);
-            self.rays.direction.set(lane, ray.direction);
-            self.rays.error[lane] = R::ZERO;
-            self.rays.departed[lane] = NO_PRIMITIVE;
-            self.radiance.set(lane, Vec3::<R>::ZERO);
-            self.throughput.set(lane, Vec3::<R>::ONE);
-            self.live[lane] = true;
-            self.sees_lights[lane] = true;
-            self.bounce[lane] = 0;
-            self.place[lane] = start.place;
-            self.addresses.column[lane] = x;
-            self.addresses.sample[lane] = start.sample;
-            self.addresses.sampler[lane] = sampler;
+            let (mut origins, mut directions) = (Vectors::<R, GROUP>::ZERO, Vectors::<R, GROUP>::ZERO);
+            let mut offsets = [[R::ZERO; GROUP]; 2];
+            for k in 0..GROUP {
+                let [u, v] = [numbers[0][k], numbers[1][k]].map(R::from_unit_bits);
+                [offsets[0][k], offsets[1][k]] = view.camera.offset::<E>(u, v);
+            }
+            for k in 0..GROUP {
+                let lens = [numbers[2][k], numbers[3][k]].map(R::from_unit_bits);
+                let ray = view.camera.ray_through::<E>([columns[k], y], [offsets[0][k], offsets[1][k]], lens);
+                origins.set(k, ray.origin);
+                directions.set(k, ray.direction);
+            }
+            for (k, &lane) in lanes[..started].iter().enumerate() {
+                self.rays.origin.set(lane, origins.at(k));
+                self.rays.direction.set(lane, directions.at(k));
+                self.rays.error[lane] = R::ZERO;
+                self.rays.departed[lane] = NO_PRIMITIVE;
+                self.radiance.set(lane, Vec3::<R>::ZERO);
+                self.throughput.set(lane, Vec3::<R>::ONE);
+                self.live[lane] = true;
+                self.sees_lights[lane] = true;
+                self.bounce[lane] = 0;
+                self.addresses.column[lane] = columns[k];
+                self.addresses.sample[lane] = samples[k];
+            }
         }
     }
 
