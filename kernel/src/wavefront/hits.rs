@@ -212,7 +212,7 @@ fn closest_sphere<R: Real, E: EffectSet>(spheres: &[Sphere<R>], rays: &Rays<R>, 
         let (center, radius) = (sphere.center, sphere.radius);
         for lane in 0..LANES {
             let reach = reach::<R>(center, radius, &lines.at(rays, lane));
-            let left_out = rays.departed[lane] == number || rays.light == number;
+            let left_out = rays.departed[lane] == number;
             let reach = if left_out { Reach { earliest: never, latest: never } } else { reach };
             second[lane] = lesser(second[lane], greater(first[lane], reach.earliest));
             index[lane] = if reach.earliest < first[lane] { number } else { index[lane] };

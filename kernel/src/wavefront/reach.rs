@@ -99,22 +99,15 @@ pub(super) fn reach<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>) -> Reac
     let near = [foot - most - slack, foot - least + slack];
     let far = [foot + least - slack, foot + most + slack];
 
-    let enters = near[0] > R::ZERO;
-    let possible = half_square + doubt >= R::ZERO && far[1] > R::ZERO;
-    // The exact test drops what lies behind an origin outside of the sphere.
-    let leaves = far[0] > R::ZERO && (foot > slack || seen.is_inside(line));
-    let certain = half_square > doubt && (enters || leaves);
-    let earliest = if enters {
-        near[0]
-    } else if near[1] > R::ZERO {
-        R::ZERO
-    } else {
-        greater(far[0], R::ZERO)
-    };
-    let latest = if enters { near[1] } else { far[1] };
+    let possible = (half_square + doubt >= R::ZERO) & (far[1] > R::ZERO);
+    // The exact test drops what lies behind an origin outside of the sphere. From inside, or where the middle of the chord
+    // lies ahead, it finds one of the roots.
+    let certain = (half_square > doubt) & ((foot > slack) | seen.is_inside(line));
+    let earliest = greater(if near[1] > R::ZERO { near[0] } else { far[0] }, R::ZERO);
+    let latest = if near[0] > R::ZERO { near[1] } else { far[1] };
     Reach {
         earliest: if possible { earliest } else { R::INFINITY },
-        latest: if certain && seen.has_in_box(latest) { latest } else { R::INFINITY },
+        latest: if certain & seen.has_in_box(latest) { latest } else { R::INFINITY },
     }
 }
 
