@@ -1,6 +1,6 @@
 //! The ray queries of all lanes.
 
-use super::columns::{Column, LANES, Vectors};
+use super::columns::{Column, GROUP, LANES, Vectors};
 use super::reach::{Line, Reach, occlusion, reach};
 use crate::bvh::{self, Bounds, Bvh, Slabs};
 use crate::departure::Departure;
@@ -207,17 +207,28 @@ fn closest_sphere<R: Real, E: EffectSet>(spheres: &[Sphere<R>], rays: &Rays<R>, 
     // The two that may be met first, and when one is met at the latest.
     let (mut first, mut second, mut latest) = ([never; LANES], [never; LANES], [R::MAX; LANES]);
     let mut index = [0u32; LANES];
-    for (number, sphere) in spheres.iter().enumerate() {
-        let number = number as u32;
-        let (center, radius) = (sphere.center, sphere.radius);
-        for lane in 0..LANES {
-            let reach = reach::<R>(center, radius, &lines.at(rays, lane));
-            let left_out = rays.departed[lane] == number;
-            let reach = if left_out { Reach { earliest: never, latest: never } } else { reach };
-            second[lane] = lesser(second[lane], greater(first[lane], reach.earliest));
-            index[lane] = if reach.earliest < first[lane] { number } else { index[lane] };
-            first[lane] = lesser(first[lane], reach.earliest);
-            latest[lane] = lesser(latest[lane], reach.latest);
+    // Group by group, so that these stay in registers.
+    for group in (0..LANES).step_by(GROUP) {
+        let mut found = ([never; GROUP], [never; GROUP], [R::MAX; GROUP], [0u32; GROUP]);
+        for (number, sphere) in spheres.iter().enumerate() {
+            let number = number as u32;
+            let (center, radius) = (sphere.center, sphere.radius);
+            for k in 0..GROUP {
+                let lane = group + k;
+                let reach = reach::<R>(center, radius, &lines.at(rays, lane));
+                let left_out = rays.departed[lane] == number;
+                let reach = if left_out { Reach { earliest: never, latest: never } } else { reach };
+                found.1[k] = lesser(found.1[k], greater(found.0[k], reach.earliest));
+                found.3[k] = if reach.earliest < found.0[k] { number } else { found.3[k] };
+                found.0[k] = lesser(found.0[k], reach.earliest);
+                found.2[k] = lesser(found.2[k], reach.latest);
+            }
+        }
+        for k in 0..GROUP {
+            first[group + k] = found.0[k];
+            second[group + k] = found.1[k];
+            latest[group + k] = found.2[k];
+            index[group + k] = found.3[k];
         }
     }
 
