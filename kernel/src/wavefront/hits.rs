@@ -273,17 +273,25 @@ pub(super) fn occluded<R: Real, E: EffectSet>(
 
     let lines = Lines::of(rays);
     let (mut maybe, mut met) = (lines.odd, [0u32; LANES]);
-    for (number, sphere) in few.spheres.iter().enumerate() {
-        let number = number as u32;
-        if rays.light == number {
-            continue;
+    for group in (0..LANES).step_by(GROUP) {
+        let (mut group_maybe, mut group_met) = ([0u32; GROUP], [0u32; GROUP]);
+        for (number, sphere) in few.spheres.iter().enumerate() {
+            let number = number as u32;
+            if rays.light == number {
+                continue;
+            }
+            let (center, radius) = (sphere.center, sphere.radius);
+            for k in 0..GROUP {
+                let lane = group + k;
+                let (possible, certain) = occlusion::<R>(center, radius, &lines.at(rays, lane), rays.tmax);
+                let stays = rays.departed[lane] != number;
+                group_maybe[k] |= u32::from(stays & possible);
+                group_met[k] |= u32::from(stays & certain);
+            }
         }
-        let (center, radius) = (sphere.center, sphere.radius);
-        for lane in 0..LANES {
-            let (possible, certain) = occlusion::<R>(center, radius, &lines.at(rays, lane), rays.tmax);
-            let stays = rays.departed[lane] != number;
-            maybe[lane] |= u32::from(stays & possible);
-            met[lane] |= u32::from(stays & certain);
+        for k in 0..GROUP {
+            maybe[group + k] |= group_maybe[k];
+            met[group + k] = group_met[k];
         }
     }
     let mut near = [0u32; LANES];
