@@ -41,7 +41,7 @@ const fn taylor<const TERMS: usize>(first: u32) -> [f64; TERMS] {
 
 /// Sine and cosine of `2 pi turns`: exact reduction to an eighth of a turn, then `TERMS` terms of Taylor's series,
 /// then the quadrant's swap and signs by bit operations (no branch to predict).
-#[inline]
+#[inline(always)]
 pub(crate) fn sin_cos_turns<const TERMS: usize>(turns: f64) -> (f64, f64) {
     // Added to a number, 3 * 2^51 rounds it to an integer, which is then in the low bits.
     const ROUND: f64 = 6_755_399_441_055_744.0;

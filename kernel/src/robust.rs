@@ -3,7 +3,7 @@
 use crate::real::{Real, Vec3, Vector, WideVec3, greater, narrow, widen};
 
 /// `n u / (1 - n u)`, the bound on the relative error of `n` roundings (Higham 2002, section 3.1).
-#[inline]
+#[inline(always)]
 pub fn gamma<R: Real>(n: u32) -> R {
     let nu = R::from_f64(f64::from(n)) * R::UNIT_ROUNDOFF;
     nu / (R::ONE - nu)
@@ -39,20 +39,20 @@ pub fn triangle_padding<R: Real>(extent: R) -> R {
 }
 
 /// Largest parameter of a shadow ray that runs from t = 0 to its light at t = 1.
-#[inline]
+#[inline(always)]
 pub fn shadow_tmax<R: Real>() -> R {
     R::ONE - gamma::<R>(4) - gamma::<R>(4)
 }
 
 /// `v` at length 1, formed in the wide precision. The zero vector stays zero. What is so short that the wide precision
 /// has its square only as a denormal number (1.5e-154, much shorter than any f32) loses digits.
-#[inline]
+#[inline(always)]
 pub fn normalize<R: Real>(v: Vec3<R>) -> Vec3<R> {
     narrow::<R>(normalize_wide::<R>(widen::<R>(v)))
 }
 
 /// [`normalize`] of a vector that already is in the wide precision.
-#[inline]
+#[inline(always)]
 pub fn normalize_wide<R: Real>(v: WideVec3<R>) -> WideVec3<R> {
     if R::WIDE_IS_SELF {
         // No bits to spare: what roundings did to the length is taken off again, and only the last of them remains.
@@ -82,7 +82,7 @@ pub fn offset_ray_origin<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>, w: 
 /// No further than the offset and the diagonal of the error box, neither of them more than the sum of the box's sides
 /// and their rounding; and than the roundings of two distances `t`, since of two surfaces that lie closer together than
 /// that either may be said to be the first.
-#[inline]
+#[inline(always)]
 pub(crate) fn origin_error<R: Real>(p: Vec3<R>, p_error: Vec3<R>, t: R) -> R {
     let sides = error_box::<R>(p, p_error);
     sides.dot(Vec3::<R>::splat(R::from_f64(2.0) + gamma::<R>(16))) + distance_error::<R>(t)
@@ -116,20 +116,20 @@ pub(crate) const ERRORS_BEYOND: u32 = 2;
 
 /// What two distances `t` of a ray of unit direction may be off by together: of two surfaces that lie closer together
 /// than that, either may be said to be the first.
-#[inline]
+#[inline(always)]
 pub(crate) fn distance_error<R: Real>(t: R) -> R {
     t * gamma::<R>(4)
 }
 
 /// Half the sides of the box around `p` that an offset has to leave: the errors of `p`, and the rounding of the offset
 /// itself.
-#[inline]
+#[inline(always)]
 pub(crate) fn error_box<R: Real>(p: Vec3<R>, p_error: Vec3<R>) -> Vec3<R> {
     p_error * (R::ONE + gamma::<R>(8)) + p.abs() * gamma::<R>(2)
 }
 
 /// How far rays start from the surface at `p`, along its normal.
-#[inline]
+#[inline(always)]
 pub(crate) fn offset_distance<R: Real>(p: Vec3<R>, p_error: Vec3<R>, ng: Vec3<R>) -> R {
     ng.abs().dot(error_box::<R>(p, p_error))
 }

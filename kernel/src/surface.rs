@@ -28,7 +28,7 @@ pub struct SurfacePoint<R: Real> {
 
 impl<R: Real> SurfacePoint<R> {
     /// Geometric and shading normal on the side of `wo`. A shading normal that faces away is replaced.
-    #[inline]
+    #[inline(always)]
     pub fn toward_viewer<E: EffectSet>(&self) -> Facing<R> {
         let front = !(self.wo.dot(self.ng) < R::ZERO);
         let side = if front { R::ONE } else { -R::ONE };

@@ -72,13 +72,13 @@ pub type Vec3<R> = <R as Real>::Vec3;
 pub type WideVec3<R> = <<R as Real>::Wide as Real>::Vec3;
 
 /// The same vector in the wide precision; exact.
-#[inline]
+#[inline(always)]
 pub fn widen<R: Real>(v: Vec3<R>) -> WideVec3<R> {
     Vector::new(v.x().widen(), v.y().widen(), v.z().widen())
 }
 
 /// The nearest vector to a wide one.
-#[inline]
+#[inline(always)]
 pub fn narrow<R: Real>(v: WideVec3<R>) -> Vec3<R> {
     Vector::new(R::narrow(v.x()), R::narrow(v.y()), R::narrow(v.z()))
 }

@@ -5,7 +5,7 @@ use crate::real::{Real, Vec3, Vector, lesser};
 /// Cosine-weighted direction about +z from two numbers in `0 <= u, v < 1`; pdf = z / pi per steradian.
 ///
 /// `(cos(2 pi u) sqrt(1 - v), sin(2 pi u) sqrt(1 - v), sqrt(v))`, as in the report.
-#[inline]
+#[inline(always)]
 pub fn cosine_hemisphere<R: Real>(u: R, v: R) -> Vec3<R> {
     let (sine, cosine) = u.sin_cos_turns();
     let radius = (R::ONE - v).sqrt();
@@ -13,7 +13,7 @@ pub fn cosine_hemisphere<R: Real>(u: R, v: R) -> Vec3<R> {
 }
 
 /// Uniform point of the unit disk; pdf = 1 / pi per area.
-#[inline]
+#[inline(always)]
 pub fn disk<R: Real>(u: R, v: R) -> [R; 2] {
     let (sine, cosine) = u.sin_cos_turns();
     let radius = v.sqrt();
@@ -52,7 +52,7 @@ pub fn frame<R: Real>(n: Vec3<R>) -> [Vec3<R>; 2] {
 }
 
 /// `local` (about +z) in the [`frame`] of the unit vector `n`, multiplied out.
-#[inline]
+#[inline(always)]
 pub fn to_world<R: Real>(n: Vec3<R>, local: Vec3<R>) -> Vec3<R> {
     let sign = R::ONE.copysign(n.z());
     let across = sign * n.x() * local.x() + n.y() * local.y();
@@ -84,7 +84,7 @@ pub fn cone<R: Real>(sine_square: R, u: R) -> ConeSample<R> {
 }
 
 /// [`cone`] whose half angle has the versine (1 - cos) `versine`, 0..=2.
-#[inline]
+#[inline(always)]
 pub fn cone_of_versine<R: Real>(versine: R, u: R) -> ConeSample<R> {
     let drop = u * versine;
     let sine_square = lesser(drop * (R::from_f64(2.0) - drop), R::ONE);

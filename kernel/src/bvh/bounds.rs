@@ -34,7 +34,7 @@ impl<R: Real> Bounds<R> {
     }
 
     /// Whether the boxes have a point in common; touching counts.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn meets(&self, other: &Self) -> bool {
         let [[al, ah], [bl, bh]] = [self.corners, other.corners];
         // Without branches: most boxes miss, each on an axis of its own.
@@ -58,7 +58,7 @@ impl<R: Real> Bounds<R> {
     }
 
     /// [`Bounds::entry`] of a ray of which only this is known.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn entry_between(&self, ray: &Slabs<R>, tmin: R, tmax: R) -> Option<R> {
         let (near, far) = ray.interval(|side, axis| self.corners[side][axis], |one| one, tmin, tmax);
         if near <= far { Some(near) } else { None }
@@ -79,7 +79,7 @@ pub struct Slabs<R: Real> {
 
 impl<R: Real> Slabs<R> {
     /// From an origin and one over each component of a direction.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new<E: EffectSet>(origin: [R; 3], inverse: [R; 3]) -> Self {
         let pads = if const { E::ACCURACY.pads_boxes() } {
             [slab_near_padding::<R>(), slab_far_padding::<R>()]

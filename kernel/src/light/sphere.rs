@@ -56,7 +56,7 @@ impl SphereLight {
     }
 
     /// The sphere, and the radiance it emits.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn body<'a, R: Real>(&self, scene: &Scene<'a, R>) -> (&'a Sphere<R>, Vec3<R>) {
         let sphere = &scene.geometry().spheres()[self.sphere as usize];
         (sphere, scene.materials()[sphere.material as usize].emission)
@@ -94,7 +94,7 @@ fn is_inside<R: Real>(sphere: &Sphere<R>, square: R::Wide) -> bool {
 /// Its end lies on a sphere whose radius differs from the light's by what rounding can take away: `u` of each
 /// coordinate of the end (at most `|c| + r`), and some wide roundings of the distance. So a shadow ray that runs to
 /// the end does not meet the light.
-#[inline]
+#[inline(always)]
 fn uniform<R: Real>(
     sphere: &Sphere<R>,
     to_center: WideVec3<R>,

@@ -16,7 +16,7 @@ pub struct Diffuse<R: Real> {
 
 /// The cosine between `wi` and the shading normal, or 0 where `wi` leaves on the other side than `wo`, by either
 /// normal: no light passes through.
-#[inline]
+#[inline(always)]
 pub(crate) fn cosine<R: Real>(facing: &Facing<R>, wi: Vec3<R>) -> R {
     let cosine = facing.ns.dot(wi);
     if cosine > R::ZERO && facing.ng.dot(wi) > R::ZERO { cosine } else { R::ZERO }

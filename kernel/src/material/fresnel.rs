@@ -29,7 +29,7 @@ pub struct Interface<R: Real> {
 }
 
 /// The reflected fraction, 0..=1.
-#[inline]
+#[inline(always)]
 pub fn reflectance<R: Real>(model: Fresnel, at: &Interface<R>) -> R {
     match model {
         Fresnel::None => R::ZERO,
@@ -38,7 +38,7 @@ pub fn reflectance<R: Real>(model: Fresnel, at: &Interface<R>) -> R {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn schlick<R: Real>(at: &Interface<R>) -> R {
     let ratio = (at.ior_i - at.ior_t) / (at.ior_i + at.ior_t);
     let normal = ratio * ratio;
@@ -48,7 +48,7 @@ fn schlick<R: Real>(at: &Interface<R>) -> R {
     normal + (R::ONE - normal) * square * square * c
 }
 
-#[inline]
+#[inline(always)]
 fn exact<R: Real>(at: &Interface<R>) -> R {
     if at.ior_i == at.ior_t {
         return R::ZERO;

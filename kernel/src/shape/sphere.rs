@@ -102,7 +102,7 @@ impl<R: Real> Sphere<R> {
     ///
     /// The point is put on the sphere again, so that its error does not depend on how far the ray came
     /// (PBR 4ed, section 6.8.5): five roundings in the wide precision, and that of the point itself.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn point_toward(&self, from_center: WideVec3<R>) -> SpherePoint<R> {
         let outward = normalize_wide::<R>(from_center);
         let offset = outward * self.radius.widen();
@@ -113,7 +113,7 @@ impl<R: Real> Sphere<R> {
     }
 
     /// The point where `ray` is at `t`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn point_at(&self, ray: &crate::ray::Ray<R>, t: R) -> SpherePoint<R> {
         let from_center = widen::<R>(ray.origin) - widen::<R>(self.center);
         self.point_toward(from_center + widen::<R>(ray.direction) * t.widen())

@@ -116,7 +116,10 @@ pub(super) fn scatter<R: Real>(
             }
             let outside = (surfaces.inverted[lane] != 0) != group.front[k];
             let sphere = if outside { from.hits.primitive[lane] } else { NO_PRIMITIVE };
-            departures.set(lane, Departure { origin: group.origin.at(k), error: group.error[k], sphere, light: NO_PRIMITIVE });
+            departures.set(
+                lane,
+                Departure { origin: group.origin.at(k), error: group.error[k], sphere, light: NO_PRIMITIVE },
+            );
         }
     }
 }

@@ -300,16 +300,20 @@ pub(super) fn occluded<R: Real, E: EffectSet>(
             near[lane] = u32::from(few.may_meet_triangles::<E>(&rays.ray(lane), rays.tmax));
         }
     }
-    core::array::from_fn(|lane| {
-        if !wanted[lane] || met[lane] != 0 {
-            return wanted[lane];
+    let mut hidden = [false; LANES];
+    for lane in 0..LANES {
+        hidden[lane] = wanted[lane] & (met[lane] != 0);
+    }
+    for lane in 0..LANES {
+        if hidden[lane] | !wanted[lane] | (maybe[lane] | near[lane] == 0) {
+            continue;
         }
-        if maybe[lane] != 0 {
-            return search(lane);
-        }
-        near[lane] != 0 && {
+        hidden[lane] = if maybe[lane] != 0 {
+            search(lane)
+        } else {
             let found = few.search_triangles::<E, true>(scene, rays, lane, Hit::none(rays.tmax));
             found.primitive != NO_PRIMITIVE
-        }
-    })
+        };
+    }
+    hidden
 }
