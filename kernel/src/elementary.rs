@@ -16,7 +16,7 @@ pub(crate) fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// `a + b` as value and error, exactly (Knuth 1969).
-#[inline]
+#[inline(always)]
 pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let from_b = sum - a;

@@ -12,7 +12,7 @@ struct ExactSum {
 }
 
 impl ExactSum {
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, other: Self) {
         let (sum, error) = two_sum(self.high, other.high);
         let (low, low_error) = two_sum(self.low, other.low);
@@ -40,7 +40,7 @@ impl Pixel {
         Self { sums: [ExactSum { high: 0.0, low: 0.0 }; 3], squares: [0.0; 3], count: 0, non_finite: 0 };
 
     /// Adds a sample. One that is not finite is counted apart and enters no sum.
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, radiance: [f32; 3]) {
         if !radiance.iter().all(|x| x.is_finite()) {
             self.non_finite = self.non_finite.saturating_add(1);

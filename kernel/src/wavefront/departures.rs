@@ -1,7 +1,8 @@
 //! Where the rays of all lanes leave their surfaces.
 
-use super::columns::{Column, LANES, Vectors};
-use super::hits::{Few, Hits, Rays};
+use super::columns::{Column, LANES, Vectors, lanes_that};
+use super::few::Few;
+use super::hits::{Hits, Rays};
 use super::surfaces::Surfaces;
 use crate::accuracy::RayOffset;
 use crate::clearance::place;
@@ -10,7 +11,6 @@ use crate::effects::{EffectSet, Effects};
 use crate::ray::NO_PRIMITIVE;
 use crate::real::{Real, Vec3};
 use crate::robust::{distance_error, error_box};
-use crate::scene::Scene;
 
 /// A [`Departure`] of each lane.
 pub(super) struct Departures<R: Real> {
@@ -21,8 +21,7 @@ pub(super) struct Departures<R: Real> {
 
 /// What departures are from: rays, their hits and the points of the surfaces.
 pub(super) struct Arrivals<'a, R: Real> {
-    pub(super) scene: &'a Scene<'a, R>,
-    pub(super) few: Option<&'a Few<'a, R>>,
+    pub(super) few: &'a Few<'a, R>,
     pub(super) rays: &'a Rays<R>,
     pub(super) hits: &'a Hits<R>,
     pub(super) surfaces: &'a Surfaces<R>,
@@ -44,11 +43,9 @@ impl<R: Real> Departures<R> {
     #[inline(always)]
     pub(super) fn reflect<E: EffectSet>(&mut self, from: &Arrivals<'_, R>, wanted: &Column<bool>) {
         let Arrivals { hits, surfaces, .. } = *from;
-        // Triangles may be in the way: all those lanes are done one by one.
-        let mut near = [u32::from(from.few.is_none()); LANES];
-        if let Some(few) = from.few
-            && const { matches!(E::ACCURACY.offset, RayOffset::Bounded | RayOffset::Cleared) }
-        {
+        // Where these are not worked out together, or triangles may be in the way: those lanes are done one by one.
+        let mut near = [1u32; LANES];
+        if const { !matches!(E::ACCURACY.offset, RayOffset::Constant) } {
             for lane in 0..LANES {
                 let (p, p_error) = (surfaces.p.at(lane), surfaces.p_error.at(lane));
                 let departure = Departure::off(p, p_error, hits.t[lane], surfaces.facing_ng.at(lane));
@@ -56,20 +53,18 @@ impl<R: Real> Departures<R> {
                 self.origin.set(lane, departure.origin);
                 self.error[lane] = departure.error;
                 self.sphere[lane] = if outside { hits.primitive[lane] } else { NO_PRIMITIVE };
-            }
-            if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
-                for lane in 0..LANES {
-                    let (p, p_error) = (surfaces.p.at(lane), surfaces.p_error.at(lane));
+                near[lane] = if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
                     let place = place::<R>(p, error_box::<R>(p, p_error), distance_error::<R>(hits.t[lane]));
-                    near[lane] = u32::from(place.meets(&few.triangles));
-                }
+                    u32::from(from.few.may_have_triangles_in(&place))
+                } else {
+                    0
+                };
             }
         }
-        for lane in 0..LANES {
-            if near[lane] != 0 && wanted[lane] {
-                let departure = from.at(lane, |arrival| arrival.reflected::<E>(&surfaces.facing(lane)));
-                self.set(lane, departure);
-            }
+        let (lanes, count) = lanes_that(|lane| wanted[lane] & (near[lane] != 0));
+        for &lane in &lanes[..count] {
+            let departure = from.at(lane, |arrival| arrival.reflected::<E>(&surfaces.facing(lane)));
+            self.set(lane, departure);
         }
     }
 
@@ -85,6 +80,6 @@ impl<R: Real> Arrivals<'_, R> {
     #[inline(always)]
     fn at(&self, lane: usize, depart: impl FnOnce(Arrival<'_, R>) -> Departure<R>) -> Departure<R> {
         let (ray, hit, point) = (self.rays.ray(lane), self.hits.at(lane), self.surfaces.point(lane));
-        depart(Arrival { scene: self.scene, ray: &ray, hit: &hit, point: &point })
+        depart(Arrival { scene: self.few.scene, ray: &ray, hit: &hit, point: &point })
     }
 }

@@ -11,12 +11,26 @@ use crate::real::{Real, Vector};
 
 /// What a lane's surface does to light.
 #[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
 pub(super) enum Kind {
     /// Nothing: the path ends.
     Ends,
     Diffuse,
     Mirror,
     Glass,
+}
+
+impl Kind {
+    /// In a kernel of some effects.
+    #[inline(always)]
+    pub(super) fn of<R: Real, E: EffectSet>(scattering: &Scattering<R>) -> Self {
+        match scattering {
+            Scattering::Mirror(_) if const { E::EFFECTS.contains(Effects::MIRROR) } => Self::Mirror,
+            Scattering::Dielectric(_) if const { E::EFFECTS.contains(Effects::GLASS) } => Self::Glass,
+            Scattering::Diffuse(_) => Self::Diffuse,
+            _ => Self::Ends,
+        }
+    }
 }
 
 /// A sampled direction of each lane: see [`BsdfSample`].
@@ -57,7 +71,7 @@ impl<R: Real> Directions<R> {
                 if kinds[lane] == Kind::Diffuse {
                     let four = core::array::from_fn(|k| numbers[k][lane]);
                     let (point, facing) = (surfaces.point(lane), surfaces.facing(lane));
-                    self.set(lane, aim::sample(from.scene.aims(), &point, &facing, albedos.at(lane), four));
+                    self.set(lane, aim::sample(from.few.scene.aims(), &point, &facing, albedos.at(lane), four));
                 }
             }
             return;
@@ -87,7 +101,7 @@ impl<R: Real> Directions<R> {
                 continue;
             }
             let (point, facing) = (from.surfaces.point(lane), from.surfaces.facing(lane));
-            match &from.scene.materials()[point.material as usize].scattering {
+            match &from.few.scene.materials()[point.material as usize].scattering {
                 Scattering::Mirror(glossy) => self.set(lane, Some(mirror::sample(point.wo, &facing, glossy))),
                 Scattering::Dielectric(glass) => {
                     let sample = dielectric::sample(&point, &facing, glass, options.fresnel, numbers[2][lane]);

@@ -83,7 +83,7 @@ pub(super) fn scatter<R: Real>(
     departures: &mut Departures<R>,
     directions: &mut Directions<R>,
 ) {
-    let (surfaces, materials) = (from.surfaces, from.scene.materials());
+    let (surfaces, materials) = (from.surfaces, from.few.scene.materials());
     let (lanes, count) = lanes_that(|lane| kinds[lane] == Kind::Glass);
     let mut group = Group::new();
     for lanes in lanes[..count].chunks(GROUP) {

@@ -1,17 +1,14 @@
 //! The ray queries of all lanes.
 
-use super::columns::{Column, GROUP, LANES, Vectors};
+use super::columns::{Column, GROUP, LANES, Vectors, lanes_that};
+use super::few::{FEW_SPHERES, Few};
 use super::reach::{Line, Reach, occlusion, reach};
-use crate::bvh::{self, Bounds, Bvh, Slabs};
+use crate::bvh::search;
 use crate::departure::Departure;
-use crate::effects::{EffectSet, Effects, TrianglesOf};
+use crate::effects::{EffectSet, Effects};
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
-use crate::real::{Real, Vector, greater, lesser};
-use crate::scene::Scene;
+use crate::real::{Real, greater, lesser};
 use crate::shape::{PreparedRay, Sphere};
-
-/// Up to how many spheres are looked at one by one for all lanes. More are found through a hierarchy, lane by lane.
-const FEW_SPHERES: usize = 16;
 
 /// Rays of all lanes, from t = 0 on.
 pub(super) struct Rays<R: Real> {
@@ -75,56 +72,6 @@ impl<R: Real> Hits<R> {
     }
 }
 
-/// What of a scene all lanes are tested against at once: few spheres, and the box around all triangles.
-pub(super) struct Few<'a, R: Real> {
-    pub(super) spheres: &'a [Sphere<R>],
-    pub(super) triangles: Bounds<R>,
-    /// Where triangles are; needed only for them.
-    bvh: Option<&'a Bvh<'a, R>>,
-}
-
-impl<'a, R: Real> Few<'a, R> {
-    /// `None` where there are too many spheres, or where bounds by rounded numbers prove nothing; and where triangles are
-    /// in no hierarchy, which would say where they all are.
-    #[inline(always)]
-    pub(super) fn of<E: EffectSet>(scene: &'a Scene<'a, R>) -> Option<Self> {
-        let geometry = scene.geometry();
-        let spheres = geometry.spheres();
-        let bvh = scene.bvh().filter(|bvh| bvh.fits(geometry));
-        let proved = const { !R::WIDE_IS_SELF && E::ACCURACY.proves_boxes_of_spheres() };
-        if !proved || spheres.len() > FEW_SPHERES || !spheres.iter().all(Sphere::is_near) {
-            return None;
-        }
-        let triangles = match bvh {
-            _ if geometry.triangles().is_empty() => Bounds::EMPTY,
-            Some(bvh) => bvh.box_of_triangles(),
-            None => return None,
-        };
-        Some(Self { spheres, triangles, bvh })
-    }
-
-    /// Whether a ray may meet a triangle before `tmax`.
-    #[inline(always)]
-    fn may_meet_triangles<E: EffectSet>(&self, ray: &Ray<R>, tmax: R) -> bool {
-        let slabs = Slabs::new::<E>(ray.origin.to_array(), ray.direction.to_array().map(|d| R::ONE / d));
-        self.triangles.entry_between(&slabs, R::ZERO, tmax).is_some()
-    }
-
-    /// Goes on with the search of a lane that has found `best` among the spheres.
-    #[inline(always)]
-    fn search_triangles<E: EffectSet, const ANY: bool>(
-        &self,
-        scene: &Scene<'_, R>,
-        rays: &Rays<R>,
-        lane: usize,
-        best: Hit<R>,
-    ) -> Hit<R> {
-        let Some(bvh) = self.bvh else { return best };
-        let (ray, from) = (rays.ray(lane), rays.departure(lane));
-        bvh::search_on::<R, TrianglesOf<E>, ANY>(scene.geometry(), bvh, &ray, &from, best)
-    }
-}
-
 /// What bounds need of the ray of each lane, and whether they prove nothing for it.
 struct Lines<R: Real> {
     inverse_square: Column<R>,
@@ -161,47 +108,34 @@ impl<R: Real> Lines<R> {
 /// The closest hit of each wanted lane.
 #[inline(always)]
 pub(super) fn closest<R: Real, E: EffectSet>(
-    scene: &Scene<'_, R>,
-    few: Option<&Few<'_, R>>,
+    few: &Few<'_, R>,
     rays: &Rays<R>,
     wanted: &Column<bool>,
     hits: &mut Hits<R>,
 ) {
-    let search = |lane: usize| {
-        let found = bvh::search::<R, E, false>(scene.geometry(), scene.bvh(), &rays.ray(lane), &rays.departure(lane));
-        found.unwrap_or(Hit::none(rays.tmax))
-    };
-    let Some(few) = few else {
-        for lane in 0..LANES {
-            if wanted[lane] {
-                hits.set(lane, search(lane));
-            }
-        }
-        return;
-    };
-
-    let odd = closest_sphere::<R, E>(few.spheres, rays, hits);
-    for lane in 0..LANES {
-        if odd[lane] != 0 && wanted[lane] {
-            hits.set(lane, search(lane));
-        }
+    let scene = few.scene;
+    let odd = closest_sphere::<R, E>(few, rays, hits);
+    let (lanes, count) = lanes_that(|lane| wanted[lane] & (odd[lane] != 0));
+    for &lane in &lanes[..count] {
+        let (ray, from) = (rays.ray(lane), rays.departure(lane));
+        let found = search::<R, E, false>(scene.geometry(), scene.bvh(), &ray, &from);
+        hits.set(lane, found.unwrap_or(Hit::none(rays.tmax)));
     }
     if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
         let mut near = [0u32; LANES];
         for lane in 0..LANES {
             near[lane] = u32::from(few.may_meet_triangles::<E>(&rays.ray(lane), hits.t[lane]));
         }
-        for lane in 0..LANES {
-            if near[lane] != 0 && odd[lane] == 0 && wanted[lane] {
-                hits.set(lane, few.search_triangles::<E, false>(scene, rays, lane, hits.at(lane)));
-            }
+        let (lanes, count) = lanes_that(|lane| wanted[lane] & (near[lane] != 0) & (odd[lane] == 0));
+        for &lane in &lanes[..count] {
+            hits.set(lane, few.search_triangles::<E, false>(rays, lane, hits.at(lane)));
         }
     }
 }
 
 /// The closest hit of each lane among few spheres; and where it is not certain which.
 #[inline(always)]
-fn closest_sphere<R: Real, E: EffectSet>(spheres: &[Sphere<R>], rays: &Rays<R>, hits: &mut Hits<R>) -> Column<u32> {
+fn closest_sphere<R: Real, E: EffectSet>(few: &Few<'_, R>, rays: &Rays<R>, hits: &mut Hits<R>) -> Column<u32> {
     let never = R::INFINITY;
     let lines = Lines::of(rays);
     // The two that may be met first, and when one is met at the latest.
@@ -210,7 +144,7 @@ fn closest_sphere<R: Real, E: EffectSet>(spheres: &[Sphere<R>], rays: &Rays<R>, 
     // Group by group, so that these stay in registers.
     for group in (0..LANES).step_by(GROUP) {
         let mut found = ([never; GROUP], [never; GROUP], [R::MAX; GROUP], [0u32; GROUP]);
-        for (number, sphere) in spheres.iter().enumerate() {
+        for (number, sphere) in few.spheres.iter().enumerate() {
             let number = number as u32;
             let (center, radius) = (sphere.center, sphere.radius);
             for k in 0..GROUP {
@@ -232,16 +166,11 @@ fn closest_sphere<R: Real, E: EffectSet>(spheres: &[Sphere<R>], rays: &Rays<R>, 
         }
     }
 
-    let (mut centers, mut radii) = (Vectors::<R>::ZERO, [R::ONE; LANES]);
-    for lane in 0..LANES {
-        if let Some(sphere) = spheres.get(index[lane] as usize) {
-            centers.set(lane, sphere.center);
-            radii[lane] = sphere.radius;
-        }
-    }
     let mut odd = lines.odd;
     for lane in 0..LANES {
-        let sphere = Sphere { center: centers.at(lane), radius: radii[lane], material: 0, inverted: false };
+        let at = index[lane] as usize % FEW_SPHERES;
+        let (center, radius) = (few.table.center.at(at), few.table.radius[at]);
+        let sphere = Sphere { center, radius, material: 0, inverted: false };
         let ray = PreparedRay::new_in::<E, false>(&rays.ray(lane), &rays.departure(lane));
         let t = sphere.intersect_in::<E>(&ray, rays.tmax).unwrap_or(never);
         let none = first[lane] > R::MAX;
@@ -258,19 +187,10 @@ fn closest_sphere<R: Real, E: EffectSet>(spheres: &[Sphere<R>], rays: &Rays<R>, 
 /// Whether anything is in the way of the ray of each wanted lane.
 #[inline(always)]
 pub(super) fn occluded<R: Real, E: EffectSet>(
-    scene: &Scene<'_, R>,
-    few: Option<&Few<'_, R>>,
+    few: &Few<'_, R>,
     rays: &Rays<R>,
     wanted: &Column<bool>,
 ) -> Column<bool> {
-    let search = |lane: usize| {
-        let (ray, from) = (rays.ray(lane), rays.departure(lane));
-        bvh::search::<R, E, true>(scene.geometry(), scene.bvh(), &ray, &from).is_some()
-    };
-    let Some(few) = few else {
-        return core::array::from_fn(|lane| wanted[lane] && search(lane));
-    };
-
     let lines = Lines::of(rays);
     let (mut maybe, mut met) = (lines.odd, [0u32; LANES]);
     for group in (0..LANES).step_by(GROUP) {
@@ -304,15 +224,13 @@ pub(super) fn occluded<R: Real, E: EffectSet>(
     for lane in 0..LANES {
         hidden[lane] = wanted[lane] & (met[lane] != 0);
     }
-    for lane in 0..LANES {
-        if hidden[lane] | !wanted[lane] | (maybe[lane] | near[lane] == 0) {
-            continue;
-        }
+    let (lanes, count) = lanes_that(|lane| wanted[lane] & !hidden[lane] & (maybe[lane] | near[lane] != 0));
+    for &lane in &lanes[..count] {
         hidden[lane] = if maybe[lane] != 0 {
-            search(lane)
+            let (ray, from) = (rays.ray(lane), rays.departure(lane));
+            search::<R, E, true>(few.scene.geometry(), few.scene.bvh(), &ray, &from).is_some()
         } else {
-            let found = few.search_triangles::<E, true>(scene, rays, lane, Hit::none(rays.tmax));
-            found.primitive != NO_PRIMITIVE
+            few.search_triangles::<E, true>(rays, lane, Hit::none(rays.tmax)).primitive != NO_PRIMITIVE
         };
     }
     hidden

@@ -49,7 +49,7 @@ impl<R: Real> Samples<R> {
                     samples.seen[lane] = wanted[lane] && departures.sphere[lane] != light.sphere;
                 }
                 if sampling == LightSampling::Cone {
-                    let (sphere, emission) = light.body(from.scene);
+                    let (sphere, emission) = light.body(from.few.scene);
                     let (sphere, emission) = (*sphere, emission);
                     for lane in 0..LANES {
                         let sample = light.sample_cone::<R>(&sphere, emission, surfaces.p.at(lane), u[lane], v[lane]);
@@ -60,7 +60,7 @@ impl<R: Real> Samples<R> {
                 for lane in 0..LANES {
                     let point = surfaces.point(lane);
                     if samples.seen[lane] {
-                        let found = light.sample(from.scene, sampling, &point, u[lane], v[lane]);
+                        let found = light.sample(from.few.scene, sampling, &point, u[lane], v[lane]);
                         found.iter().for_each(|sample| samples.set(lane, sample));
                         samples.seen[lane] = found.is_some();
                     }
@@ -91,7 +91,7 @@ pub(super) fn direct<R: Real, E: EffectSet>(
     wanted: &Column<bool>,
 ) -> (Vectors<R>, u64) {
     let (mut sum, mut shadows) = (Vectors::<R>::ZERO, 0);
-    for (index, light) in from.scene.lights().iter().enumerate() {
+    for (index, light) in from.few.scene.lights().iter().enumerate() {
         let (mut u, mut v) = ([R::ZERO; LANES], [R::ZERO; LANES]);
         for lane in 0..LANES {
             [u[lane], v[lane]] = numbers_of(index, [numbers[0][lane], numbers[1][lane]]);
@@ -114,7 +114,7 @@ pub(super) fn direct<R: Real, E: EffectSet>(
             seen[lane] &= cosines[lane] != R::ZERO;
             shadows += u64::from(seen[lane]);
         }
-        let hidden = occluded::<R, E>(from.scene, from.few, &shadow, &seen);
+        let hidden = occluded::<R, E>(from.few, &shadow, &seen);
         for lane in 0..LANES {
             let lit = seen[lane] & !hidden[lane];
             let more = reflected::<R>(samples.weight.at(lane), cosines[lane]);

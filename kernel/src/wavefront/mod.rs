@@ -12,6 +12,7 @@
 mod columns;
 mod departures;
 mod directions;
+mod few;
 mod glass;
 mod hits;
 mod light;

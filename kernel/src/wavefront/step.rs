@@ -5,8 +5,9 @@ use core::ops::Range;
 use super::columns::{Column, GROUP, LANES, Vectors, lanes_that};
 use super::departures::{Arrivals, Departures};
 use super::directions::{Directions, Kind};
+use super::few::{FEW_SPHERES, Few};
 use super::glass;
-use super::hits::{Few, Hits, Rays, closest};
+use super::hits::{Hits, Rays, closest};
 use super::light::direct;
 use super::numbers::Addresses;
 use super::queue::Queue;
@@ -49,7 +50,7 @@ pub(crate) fn render<R: Real, E: EffectSet>(
     if options.max_bounces == 0 && !last_segment_counts(scene, true) {
         return view.render::<E>(x, y, samples, pixels);
     }
-    let few = Few::of::<E>(scene);
+    let Some(few) = Few::of::<E>(scene) else { return view.render::<E>(x, y, samples, pixels) };
     let independent = !(const { E::EFFECTS.contains(Effects::SOBOL) } && options.sampler == SamplerKind::Sobol);
     let mut queue = Queue::new(pixels, samples);
     let mut paths = Paths {
@@ -72,14 +73,14 @@ pub(crate) fn render<R: Real, E: EffectSet>(
             return Work { paths: queue.started() as u64, rays };
         }
         rays += alive as u64;
-        closest::<R, E>(scene, few.as_ref(), &paths.rays, &paths.live, &mut hits);
-        surfaces.find::<E>(scene, &paths.rays, &hits);
-        let (kinds, albedos) = paths.arrive::<E>(view, &hits, &surfaces, &mut queue);
+        closest::<R, E>(&few, &paths.rays, &paths.live, &mut hits);
+        surfaces.find::<E>(&few, &paths.rays, &hits);
+        let (kinds, albedos) = paths.arrive::<E>(view, &few, &hits, &surfaces, &mut queue);
 
         let mut vertex = paths.bounce;
         vertex.iter_mut().for_each(|vertex| *vertex += 1);
         let numbers = paths.addresses.numbers(&vertex, Block::Scatter, &paths.live);
-        let from = Arrivals { scene, few: few.as_ref(), rays: &paths.rays, hits: &hits, surfaces: &surfaces };
+        let from = Arrivals { few: &few, rays: &paths.rays, hits: &hits, surfaces: &surfaces };
         departures.reflect::<E>(&from, &paths.live);
         let is_diffuse = kinds.map(|kind| kind == Kind::Diffuse);
         if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
@@ -174,46 +175,71 @@ impl<R: Real> Paths<R> {
     fn arrive<E: EffectSet>(
         &mut self,
         view: &View<'_, R>,
+        few: &Few<'_, R>,
         hits: &Hits<R>,
         surfaces: &Surfaces<R>,
         queue: &mut Queue<'_>,
     ) -> (Column<Kind>, Vectors<R>) {
-        let View { scene, options, .. } = *view;
+        let options = view.options;
         let (mut kinds, mut albedos) = ([Kind::Ends; LANES], Vectors::ZERO);
+        let mut has_more = [0u32; LANES];
         for lane in 0..LANES {
-            if !self.live[lane] {
-                continue;
-            }
-            let shine = |radiance: Vec3<R>| self.radiance.at(lane) + self.throughput.at(lane) * radiance;
-            if hits.primitive[lane] == NO_PRIMITIVE {
-                if const { E::EFFECTS.contains(Effects::BACKGROUND) } {
-                    self.radiance.set(lane, shine(scene.background()));
-                }
-            } else {
-                let material = &scene.materials()[surfaces.material[lane] as usize];
-                if const { E::EFFECTS.intersects(Effects::EMISSION.union(Effects::SPHERE_LIGHT)) }
-                    && material.is_emissive()
-                    && (self.sees_lights[lane] || !scene.is_light(hits.primitive[lane]))
-                {
-                    self.radiance.set(lane, shine(material.emission));
-                }
-                kinds[lane] = match &material.scattering {
-                    _ if self.bounce[lane] == options.max_bounces => Kind::Ends,
-                    Scattering::Mirror(_) if const { E::EFFECTS.contains(Effects::MIRROR) } => Kind::Mirror,
-                    Scattering::Dielectric(_) if const { E::EFFECTS.contains(Effects::GLASS) } => Kind::Glass,
-                    Scattering::Diffuse(surface) => {
-                        let albedo = albedo::<R, E>(scene, &surfaces.point(lane), surface);
-                        albedos.set(lane, albedo);
-                        if albedo == Vec3::<R>::ZERO { Kind::Ends } else { Kind::Diffuse }
-                    }
-                    _ => Kind::Ends,
-                };
-            }
-            if kinds[lane] == Kind::Ends {
-                self.end(lane, queue);
+            let at = hits.primitive[lane] as usize % FEW_SPHERES;
+            let of_spheres = (hits.primitive[lane] as usize) < few.spheres.len();
+            kinds[lane] = few.table.kind[at];
+            albedos.set(lane, few.table.albedo.at(at));
+            has_more[lane] = if of_spheres { few.table.has_more[at] } else { 1 };
+        }
+        let (lanes, count) = lanes_that(|lane| self.live[lane] & (has_more[lane] != 0));
+        for &lane in &lanes[..count] {
+            (kinds[lane], has_more[lane]) = (Kind::Ends, 0);
+            let albedo = self.look::<E>(lane, view, hits, surfaces, &mut kinds[lane]);
+            albedos.set(lane, albedo);
+        }
+        for lane in 0..LANES {
+            if !self.live[lane] | (self.bounce[lane] == options.max_bounces) {
+                kinds[lane] = Kind::Ends;
             }
         }
+        let (lanes, count) = lanes_that(|lane| self.live[lane] & (kinds[lane] == Kind::Ends));
+        for &lane in &lanes[..count] {
+            self.end(lane, queue);
+        }
         (kinds, albedos)
+    }
+
+    /// A closer look at where the ray of one lane arrives: its light, the albedo and what the surface does.
+    #[inline(always)]
+    fn look<E: EffectSet>(
+        &mut self,
+        lane: usize,
+        view: &View<'_, R>,
+        hits: &Hits<R>,
+        surfaces: &Surfaces<R>,
+        kind: &mut Kind,
+    ) -> Vec3<R> {
+        let scene = view.scene;
+        let shine = |radiance: Vec3<R>| self.radiance.at(lane) + self.throughput.at(lane) * radiance;
+        if hits.primitive[lane] == NO_PRIMITIVE {
+            if const { E::EFFECTS.contains(Effects::BACKGROUND) } {
+                self.radiance.set(lane, shine(scene.background()));
+            }
+            return Vec3::<R>::ZERO;
+        }
+        let material = &scene.materials()[surfaces.material[lane] as usize];
+        if const { E::EFFECTS.intersects(Effects::EMISSION.union(Effects::SPHERE_LIGHT)) }
+            && material.is_emissive()
+            && (self.sees_lights[lane] || !scene.is_light(hits.primitive[lane]))
+        {
+            self.radiance.set(lane, shine(material.emission));
+        }
+        *kind = Kind::of::<R, E>(&material.scattering);
+        let Scattering::Diffuse(surface) = &material.scattering else { return Vec3::<R>::ZERO };
+        let albedo = albedo::<R, E>(scene, &surfaces.point(lane), surface);
+        if albedo == Vec3::<R>::ZERO {
+            *kind = Kind::Ends;
+        }
+        albedo
     }
 
     /// The next segment of each path, or its end.

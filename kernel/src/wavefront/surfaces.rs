@@ -1,10 +1,10 @@
 //! The surface points of all lanes.
 
-use super::columns::{Column, LANES, Vectors};
+use super::columns::{Column, LANES, Vectors, lanes_that};
+use super::few::{FEW_SPHERES, Few};
 use super::hits::{Hits, Rays};
 use crate::effects::{EffectSet, Effects};
 use crate::real::Real;
-use crate::scene::Scene;
 use crate::shape::Sphere;
 use crate::surface::{Facing, SurfacePoint, surface_point};
 
@@ -73,39 +73,29 @@ impl<R: Real> Surfaces<R> {
 
     /// Those of all hits; of spheres for all lanes at once, of triangles one by one.
     #[inline(always)]
-    pub(super) fn find<E: EffectSet>(&mut self, scene: &Scene<'_, R>, rays: &Rays<R>, hits: &Hits<R>) {
-        let spheres = scene.geometry().spheres();
-        if const { E::EFFECTS.contains(Effects::SPHERES) } {
-            let (mut centers, mut radii) = (Vectors::<R>::ZERO, [R::ONE; LANES]);
-            for lane in 0..LANES {
-                if let Some(sphere) = spheres.get(hits.primitive[lane] as usize) {
-                    centers.set(lane, sphere.center);
-                    radii[lane] = sphere.radius;
-                    self.inverted[lane] = u32::from(sphere.inverted);
-                    self.material[lane] = sphere.material;
-                }
-            }
-            for lane in 0..LANES {
-                let sphere = Sphere { center: centers.at(lane), radius: radii[lane], material: 0, inverted: false };
-                let ray = rays.ray(lane);
-                let point = sphere.point_at(&ray, hits.t[lane]);
-                let ng = if self.inverted[lane] != 0 { -point.outward } else { point.outward };
-                self.p.set(lane, point.p);
-                self.p_error.set(lane, point.p_error);
-                self.ng.set(lane, ng);
-                self.ns.set(lane, ng);
-                self.wo.set(lane, -ray.direction);
-            }
+    pub(super) fn find<E: EffectSet>(&mut self, few: &Few<'_, R>, rays: &Rays<R>, hits: &Hits<R>) {
+        for lane in 0..LANES {
+            let at = hits.primitive[lane] as usize % FEW_SPHERES;
+            let (center, radius) = (few.table.center.at(at), few.table.radius[at]);
+            let sphere = Sphere { center, radius, material: 0, inverted: false };
+            let ray = rays.ray(lane);
+            let point = sphere.point_at(&ray, hits.t[lane]);
+            let inverted = few.table.inverted[at];
+            let ng = if inverted != 0 { -point.outward } else { point.outward };
+            self.p.set(lane, point.p);
+            self.p_error.set(lane, point.p_error);
+            self.ng.set(lane, ng);
+            self.ns.set(lane, ng);
+            self.wo.set(lane, -ray.direction);
+            self.material[lane] = few.table.material[at];
+            self.inverted[lane] = inverted;
         }
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
-            let triangles = spheres.len()..scene.geometry().len();
-            for lane in 0..LANES {
-                if triangles.contains(&(hits.primitive[lane] as usize)) {
-                    self.set(lane, surface_point::<R, E>(scene, &rays.ray(lane), &hits.at(lane)));
-                } else {
-                    self.uv[0][lane] = R::ZERO;
-                    self.uv[1][lane] = R::ZERO;
-                }
+            self.uv = [[R::ZERO; LANES]; 2];
+            let triangles = few.spheres.len() as u32..few.scene.geometry().len() as u32;
+            let (lanes, count) = lanes_that(|lane| triangles.contains(&hits.primitive[lane]));
+            for &lane in &lanes[..count] {
+                self.set(lane, surface_point::<R, E>(few.scene, &rays.ray(lane), &hits.at(lane)));
             }
         }
         for lane in 0..LANES {
