@@ -12,15 +12,43 @@ pub(crate) type Column<T> = [T; LANES];
 /// How many lanes are taken together where not all have something to do: a vector's worth.
 pub(crate) const GROUP: usize = 16;
 
-/// The lanes that `are`, in order, and how many.
-#[inline(always)]
-pub(crate) fn lanes_that(are: impl Fn(usize) -> bool) -> ([usize; LANES], usize) {
-    let (mut lanes, mut count) = ([0; LANES], 0);
-    for lane in 0..LANES {
-        lanes[count % LANES] = lane;
-        count += usize::from(are(lane));
+/// Some of the lanes.
+#[derive(Clone, Copy)]
+pub(crate) struct Lanes(u64);
+
+impl Lanes {
+    /// Those that `are`.
+    #[inline(always)]
+    pub(crate) fn that(are: impl Fn(usize) -> bool) -> Self {
+        const { assert!(LANES == u64::BITS as usize) };
+        let mut bits = 0;
+        for lane in 0..LANES {
+            bits |= u64::from(are(lane)) << lane;
+        }
+        Self(bits)
     }
-    (lanes, count)
+
+    /// The next of up to [`GROUP`] of them, and how many; they are taken away.
+    #[inline(always)]
+    pub(crate) fn next_group(&mut self) -> ([usize; GROUP], usize) {
+        let (mut group, mut count) = ([0; GROUP], 0);
+        for (at, lane) in group.iter_mut().zip(&mut *self) {
+            *at = lane;
+            count += 1;
+        }
+        (group, count)
+    }
+}
+
+impl Iterator for Lanes {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros() as usize;
+        self.0 &= self.0.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    }
 }
 
 /// A vector of each lane, or of each of a group.

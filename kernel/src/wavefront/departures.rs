@@ -1,6 +1,6 @@
 //! Where the rays of all lanes leave their surfaces.
 
-use super::columns::{Column, LANES, Vectors, lanes_that};
+use super::columns::{Column, LANES, Vectors, Lanes};
 use super::few::Few;
 use super::hits::{Hits, Rays};
 use super::surfaces::Surfaces;
@@ -61,8 +61,7 @@ impl<R: Real> Departures<R> {
                 };
             }
         }
-        let (lanes, count) = lanes_that(|lane| wanted[lane] & (near[lane] != 0));
-        for &lane in &lanes[..count] {
+        for lane in Lanes::that(|lane| wanted[lane] & (near[lane] != 0)) {
             let departure = from.at(lane, |arrival| arrival.reflected::<E>(&surfaces.facing(lane)));
             self.set(lane, departure);
         }

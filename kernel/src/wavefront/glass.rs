@@ -1,6 +1,6 @@
 //! Glass of spheres, in the lanes that hit it: gathered into groups, so that vectors have something to do.
 
-use super::columns::{Column, GROUP, Vectors, lanes_that};
+use super::columns::{Column, GROUP, Lanes, Vectors};
 use super::departures::{Arrivals, Departures};
 use super::directions::{Directions, Kind};
 use crate::accuracy::RayOffset;
@@ -84,9 +84,14 @@ pub(super) fn scatter<R: Real>(
     directions: &mut Directions<R>,
 ) {
     let (surfaces, materials) = (from.surfaces, from.few.scene.materials());
-    let (lanes, count) = lanes_that(|lane| kinds[lane] == Kind::Glass);
+    let mut all = Lanes::that(|lane| kinds[lane] == Kind::Glass);
     let mut group = Group::new();
-    for lanes in lanes[..count].chunks(GROUP) {
+    loop {
+        let (lanes, count) = all.next_group();
+        let lanes = &lanes[..count];
+        if lanes.is_empty() {
+            return;
+        }
         for (k, &lane) in lanes.iter().enumerate() {
             let Scattering::Dielectric(glass) = &materials[surfaces.material[lane] as usize].scattering else {
                 continue;

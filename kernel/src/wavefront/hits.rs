@@ -1,6 +1,6 @@
 //! The ray queries of all lanes.
 
-use super::columns::{Column, GROUP, LANES, Vectors, lanes_that};
+use super::columns::{Column, GROUP, LANES, Vectors, Lanes};
 use super::few::{FEW_SPHERES, Few};
 use super::reach::{Line, Reach, occlusion, reach};
 use crate::bvh::search;
@@ -115,8 +115,7 @@ pub(super) fn closest<R: Real, E: EffectSet>(
 ) {
     let scene = few.scene;
     let odd = closest_sphere::<R, E>(few, rays, hits);
-    let (lanes, count) = lanes_that(|lane| wanted[lane] & (odd[lane] != 0));
-    for &lane in &lanes[..count] {
+    for lane in Lanes::that(|lane| wanted[lane] & (odd[lane] != 0)) {
         let (ray, from) = (rays.ray(lane), rays.departure(lane));
         let found = search::<R, E, false>(scene.geometry(), scene.bvh(), &ray, &from);
         hits.set(lane, found.unwrap_or(Hit::none(rays.tmax)));
@@ -126,8 +125,7 @@ pub(super) fn closest<R: Real, E: EffectSet>(
         for lane in 0..LANES {
             near[lane] = u32::from(few.may_meet_triangles::<E>(&rays.ray(lane), hits.t[lane]));
         }
-        let (lanes, count) = lanes_that(|lane| wanted[lane] & (near[lane] != 0) & (odd[lane] == 0));
-        for &lane in &lanes[..count] {
+        for lane in Lanes::that(|lane| wanted[lane] & (near[lane] != 0) & (odd[lane] == 0)) {
             hits.set(lane, few.search_triangles::<E, false>(rays, lane, hits.at(lane)));
         }
     }
@@ -224,8 +222,7 @@ pub(super) fn occluded<R: Real, E: EffectSet>(
     for lane in 0..LANES {
         hidden[lane] = wanted[lane] & (met[lane] != 0);
     }
-    let (lanes, count) = lanes_that(|lane| wanted[lane] & !hidden[lane] & (maybe[lane] | near[lane] != 0));
-    for &lane in &lanes[..count] {
+    for lane in Lanes::that(|lane| wanted[lane] & !hidden[lane] & (maybe[lane] | near[lane] != 0)) {
         hidden[lane] = if maybe[lane] != 0 {
             let (ray, from) = (rays.ray(lane), rays.departure(lane));
             search::<R, E, true>(few.scene.geometry(), few.scene.bvh(), &ray, &from).is_some()

@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::columns::{Column, GROUP, LANES, Vectors, lanes_that};
+use super::columns::{Column, GROUP, LANES, Vectors, Lanes};
 use super::departures::{Arrivals, Departures};
 use super::directions::{Directions, Kind};
 use super::few::{FEW_SPHERES, Few};
@@ -112,8 +112,13 @@ impl<R: Real> Paths<R> {
     /// A new path in each lane that has none.
     #[inline(always)]
     fn start<E: EffectSet>(&mut self, view: &View<'_, R>, [x, y]: [u32; 2], queue: &mut Queue<'_>) {
-        let (lanes, count) = lanes_that(|lane| !self.live[lane]);
-        for lanes in lanes[..count].chunks(GROUP) {
+        let mut free = Lanes::that(|lane| !self.live[lane]);
+        loop {
+            let (lanes, count) = free.next_group();
+            let lanes = &lanes[..count];
+            if lanes.is_empty() {
+                return;
+            }
             let (mut columns, mut samples) = ([x; GROUP], [0; GROUP]);
             let mut started = 0;
             for (k, &lane) in lanes.iter().enumerate() {
@@ -190,8 +195,7 @@ impl<R: Real> Paths<R> {
             albedos.set(lane, few.table.albedo.at(at));
             has_more[lane] = if of_spheres { few.table.has_more[at] } else { 1 };
         }
-        let (lanes, count) = lanes_that(|lane| self.live[lane] & (has_more[lane] != 0));
-        for &lane in &lanes[..count] {
+        for lane in Lanes::that(|lane| self.live[lane] & (has_more[lane] != 0)) {
             (kinds[lane], has_more[lane]) = (Kind::Ends, 0);
             let albedo = self.look::<E>(lane, view, hits, surfaces, &mut kinds[lane]);
             albedos.set(lane, albedo);
@@ -201,8 +205,7 @@ impl<R: Real> Paths<R> {
                 kinds[lane] = Kind::Ends;
             }
         }
-        let (lanes, count) = lanes_that(|lane| self.live[lane] & (kinds[lane] == Kind::Ends));
-        for &lane in &lanes[..count] {
+        for lane in Lanes::that(|lane| self.live[lane] & (kinds[lane] == Kind::Ends)) {
             self.end(lane, queue);
         }
         (kinds, albedos)

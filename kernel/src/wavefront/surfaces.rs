@@ -1,6 +1,6 @@
 //! The surface points of all lanes.
 
-use super::columns::{Column, LANES, Vectors, lanes_that};
+use super::columns::{Column, LANES, Vectors, Lanes};
 use super::few::{FEW_SPHERES, Few};
 use super::hits::{Hits, Rays};
 use crate::effects::{EffectSet, Effects};
@@ -93,8 +93,7 @@ impl<R: Real> Surfaces<R> {
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
             self.uv = [[R::ZERO; LANES]; 2];
             let triangles = few.spheres.len() as u32..few.scene.geometry().len() as u32;
-            let (lanes, count) = lanes_that(|lane| triangles.contains(&hits.primitive[lane]));
-            for &lane in &lanes[..count] {
+            for lane in Lanes::that(|lane| triangles.contains(&hits.primitive[lane])) {
                 self.set(lane, surface_point::<R, E>(few.scene, &rays.ray(lane), &hits.at(lane)));
             }
         }
