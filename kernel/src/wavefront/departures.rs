@@ -1,6 +1,6 @@
 //! Where the rays of all lanes leave their surfaces.
 
-use super::columns::{Column, LANES, Vectors, Lanes};
+use super::columns::{Column, LANES, Lanes, Vectors};
 use super::few::Few;
 use super::hits::{Hits, Rays};
 use super::surfaces::Surfaces;

@@ -107,7 +107,8 @@ impl<R: Real> Table<R> {
             table.has_more[at] = u32::from(material.is_emissive());
             if let Scattering::Diffuse(surface) = &material.scattering {
                 table.albedo.set(at, surface.albedo);
-                table.has_more[at] |= u32::from(const { E::EFFECTS.contains(Effects::TEXTURES) } && surface.texture.is_some());
+                table.has_more[at] |=
+                    u32::from(const { E::EFFECTS.contains(Effects::TEXTURES) } && surface.texture.is_some());
                 if surface.albedo == Vec3::<R>::ZERO {
                     table.kind[at] = Kind::Ends;
                 }

@@ -1,6 +1,6 @@
 //! The ray queries of all lanes.
 
-use super::columns::{Column, GROUP, LANES, Vectors, Lanes};
+use super::columns::{Column, GROUP, LANES, Lanes, Vectors};
 use super::few::{FEW_SPHERES, Few};
 use super::reach::{Line, Reach, occlusion, reach};
 use crate::bvh::search;
@@ -184,11 +184,7 @@ fn closest_sphere<R: Real, E: EffectSet>(few: &Few<'_, R>, rays: &Rays<R>, hits:
 
 /// Whether anything is in the way of the ray of each wanted lane.
 #[inline(always)]
-pub(super) fn occluded<R: Real, E: EffectSet>(
-    few: &Few<'_, R>,
-    rays: &Rays<R>,
-    wanted: &Column<bool>,
-) -> Column<bool> {
+pub(super) fn occluded<R: Real, E: EffectSet>(few: &Few<'_, R>, rays: &Rays<R>, wanted: &Column<bool>) -> Column<bool> {
     let lines = Lines::of(rays);
     let (mut maybe, mut met) = (lines.odd, [0u32; LANES]);
     for group in (0..LANES).step_by(GROUP) {

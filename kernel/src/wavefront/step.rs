@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use super::columns::{Column, GROUP, LANES, Vectors, Lanes};
+use super::columns::{Column, GROUP, LANES, Lanes, Vectors};
 use super::departures::{Arrivals, Departures};
 use super::directions::{Directions, Kind};
 use super::few::{FEW_SPHERES, Few};
@@ -269,24 +269,23 @@ impl<R: Real> Paths<R> {
             self.bounce[lane] += 1;
         }
         let counts = [false, true].map(|sees_lights| last_segment_counts(scene, sees_lights));
+        let mut goes_on = directions.found;
         for lane in 0..LANES {
-            if !self.live[lane] {
-                continue;
-            }
-            let mut goes_on = directions.found[lane]
-                && (self.bounce[lane] < options.max_bounces || counts[usize::from(self.sees_lights[lane])]);
-            if const { E::EFFECTS.contains(Effects::ROULETTE) }
-                && goes_on
-                && options.roulette_after.is_some_and(|after| self.bounce[lane] > after)
-            {
+            let counts = if self.sees_lights[lane] { counts[1] } else { counts[0] };
+            goes_on[lane] &= (self.bounce[lane] < options.max_bounces) | counts;
+        }
+        if const { E::EFFECTS.contains(Effects::ROULETTE) }
+            && let Some(after) = options.roulette_after
+        {
+            for lane in Lanes::that(|lane| self.live[lane] & goes_on[lane] & (self.bounce[lane] > after)) {
                 match survival::<R>(self.throughput.at(lane), roulette[lane]) {
                     Some(compensation) => self.throughput.set(lane, self.throughput.at(lane) * compensation),
-                    None => goes_on = false,
+                    None => goes_on[lane] = false,
                 }
             }
-            if !goes_on {
-                self.end(lane, queue);
-            }
+        }
+        for lane in Lanes::that(|lane| self.live[lane] & !goes_on[lane]) {
+            self.end(lane, queue);
         }
     }
 

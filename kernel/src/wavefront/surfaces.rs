@@ -1,6 +1,6 @@
 //! The surface points of all lanes.
 
-use super::columns::{Column, LANES, Vectors, Lanes};
+use super::columns::{Column, LANES, Lanes, Vectors};
 use super::few::{FEW_SPHERES, Few};
 use super::hits::{Hits, Rays};
 use crate::effects::{EffectSet, Effects};
