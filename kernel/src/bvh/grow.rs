@@ -204,12 +204,21 @@ impl<R: Real> Parts<R> {
         let cut = if depth + levels(count) < MAX_DEPTH { Cut::Best } else { Cut::Halves };
         while self.count < WIDTH {
             let size = |part: &Part<R>| match cut {
-                Cut::Best => part.bounds.half_area().to_f64(),
+                Cut::Best | Cut::Free => part.bounds.half_area().to_f64(),
                 Cut::Halves => part.count as f64,
             };
             let open = self.all().iter().enumerate().filter(|(_, part)| !part.is_leaf);
             let largest = open.reduce(|a, b| if size(b.1) > size(a.1) { b } else { a });
-            let Some((largest, _)) = largest else { return };
+            // Then leaves, which cost nothing to tell apart while there is room.
+            let (largest, cut) = match largest {
+                Some((largest, _)) => (largest, cut),
+                None => {
+                    let open = self.all().iter().enumerate().filter(|(_, part)| !part.is_whole);
+                    let largest = open.reduce(|a, b| if size(b.1) > size(a.1) { b } else { a });
+                    let Some((largest, _)) = largest else { return };
+                    (largest, Cut::Free)
+                }
+            };
             if let Some(right) = self.parts[largest].split(items, cut, filled, join) {
                 self.push(right);
             }

@@ -18,8 +18,8 @@ pub use crossings::crossings;
 pub use extent::BuildItem;
 pub(crate) use near::any_triangle_near;
 pub use node::{Branch, Child, Node, WIDTH};
+pub(crate) use traverse::{TrianglesBelow, search};
 pub use traverse::{intersect, occluded};
-pub(crate) use traverse::{search, search_on};
 
 use crate::error::CapacityError;
 use crate::real::Real;
@@ -80,14 +80,6 @@ impl<'a, R: Real> Bvh<'a, R> {
     /// How many spheres and triangles it was built for.
     pub fn built_for(&self) -> [usize; 2] {
         self.built_for
-    }
-
-    /// A box around all triangles; empty where there are none.
-    #[inline]
-    pub(crate) fn box_of_triangles(&self) -> Bounds<R> {
-        let children = self.nodes.first().into_iter().flat_map(|root| self.children(root));
-        let others = children.filter(|branch| !matches!(branch.child, Child::Spheres(_)));
-        others.fold(Bounds::EMPTY, |all, branch| all.union(&branch.bounds))
     }
 
     /// Whether it can be a hierarchy of `geometry`: one over as many spheres and triangles.

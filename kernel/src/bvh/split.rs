@@ -10,6 +10,8 @@ use crate::real::Real;
 const MAX_BINS: usize = 32;
 /// Cost of telling two children apart, in tests of a quad.
 const VISIT_COST: f64 = 1.5;
+/// Cost of one more leaf in a node that has room for it.
+const LEAF_COST: f64 = 0.25;
 /// Spheres of up to this many quads, where there is nothing else, are one leaf.
 pub(super) const MAX_ROOT_QUADS: usize = 4;
 
@@ -23,6 +25,8 @@ pub(super) struct Part<R: Real> {
     keys: Extent<R>,
     /// Whether it has been found best to keep it whole.
     pub(super) is_leaf: bool,
+    /// Whether that holds even where cutting it costs no node.
+    pub(super) is_whole: bool,
 }
 
 /// How parts are cut.
@@ -30,6 +34,8 @@ pub(super) struct Part<R: Real> {
 pub(super) enum Cut {
     /// Where it costs least.
     Best,
+    /// Where it costs least, in a node that has room for one more leaf.
+    Free,
     /// In halves, where depth is running out.
     Halves,
 }
@@ -41,7 +47,7 @@ pub(super) const fn quads(count: usize) -> usize {
 
 impl<R: Real> Part<R> {
     pub(super) const EMPTY: Self =
-        Self { first: 0, count: 0, bounds: Extent::EMPTY, keys: Extent::EMPTY, is_leaf: true };
+        Self { first: 0, count: 0, bounds: Extent::EMPTY, keys: Extent::EMPTY, is_leaf: true, is_whole: true };
 
     pub(super) fn new(items: &[BuildItem<R>], first: usize, count: usize) -> Self {
         Self::within(first, count, around(&items[first..first + count]))
@@ -49,7 +55,8 @@ impl<R: Real> Part<R> {
 
     /// Of items in a box, with their keys in another.
     fn within(first: usize, count: usize, [bounds, keys]: [Extent<R>; 2]) -> Self {
-        Self { first, count, bounds, keys, is_leaf: quads(count) <= 1 }
+        let is_whole = quads(count) <= 1;
+        Self { first, count, bounds, keys, is_leaf: is_whole, is_whole }
     }
 
     /// Cuts it in two, each in its place; the other half is returned. `None` where a leaf is better.
@@ -62,16 +69,21 @@ impl<R: Real> Part<R> {
     ) -> Option<Self> {
         let range = &mut items[self.first..self.first + self.count];
         let is_too_large = quads(self.count) > MAX_LEAF_QUADS;
-        let plane = if cut == Cut::Best { best_plane(range, &self.keys, filled, join) } else { None };
+        let plane = if cut != Cut::Halves { best_plane(range, &self.keys, filled, join) } else { None };
         let whole = *self;
         let right = match plane {
             Some(plane) => {
-                let cost = VISIT_COST + plane.cost / whole.bounds.half_area().to_f64();
+                let visit = if cut == Cut::Free { LEAF_COST } else { VISIT_COST };
+                let cost = visit + plane.cost / whole.bounds.half_area().to_f64();
                 if !is_too_large && !(cost < quads(self.count) as f64) {
-                    self.is_leaf = true;
+                    self.keep(cut);
                     return None;
                 }
-                self.partition(range, &plane)
+                let mut right = self.partition(range, &plane);
+                if cut == Cut::Free {
+                    (self.is_leaf, right.is_leaf) = (true, true);
+                }
+                right
             }
             None if is_too_large || cut == Cut::Halves => {
                 halve(range, &self.keys);
@@ -80,11 +92,17 @@ impl<R: Real> Part<R> {
                 Self::new(items, whole.first + middle, whole.count - middle)
             }
             None => {
-                self.is_leaf = true;
+                self.keep(cut);
                 return None;
             }
         };
         Some(right)
+    }
+
+    /// Makes it a leaf.
+    fn keep(&mut self, cut: Cut) {
+        self.is_leaf = true;
+        self.is_whole |= cut == Cut::Free;
     }
 
     /// Moves the items that belong left to the front, and keeps those; the rest is returned.

@@ -5,9 +5,9 @@
 
 use super::node::{ChildBits, decode};
 use super::split::MAX_ROOT_QUADS;
-use super::{Bvh, Child, MAX_WAITING, WIDTH};
+use super::{Bounds, Bvh, Child, MAX_WAITING, WIDTH};
 use crate::departure::Departure;
-use crate::effects::EffectSet;
+use crate::effects::{EffectSet, TrianglesOf};
 use crate::lanes::set_bits;
 use crate::ray::{Hit, NO_PRIMITIVE, Ray};
 use crate::real::Real;
@@ -55,25 +55,54 @@ pub(crate) fn search<R: Real, E: EffectSet, const ANY: bool>(
         None => geometry.test_all::<E, ANY>(&PreparedRay::new_in::<E, false>(ray, from), &mut best),
         Some(bvh) if bvh.nodes.is_empty() => return None,
         Some(bvh) => {
-            best = search_on::<R, E, ANY>(geometry, bvh, ray, from, best);
+            let ray = &PreparedRay::new_in::<E, true>(ray, from);
+            let root = Waiting { near: ray.tmin, child: 0 };
+            best = descend::<R, E, ANY, FEW>(geometry, bvh, ray, &[root], best);
         }
     }
     (best.primitive != NO_PRIMITIVE).then_some(best)
 }
 
-/// Goes on with a search that found `best` so far, or nothing, among what `E` has of a hierarchy's primitives. The ray must
-/// be valid, and the hierarchy one of `geometry`.
-#[inline(always)]
-pub(crate) fn search_on<R: Real, E: EffectSet, const ANY: bool>(
-    geometry: &Geometry<'_, R>,
-    bvh: &Bvh<'_, R>,
-    ray: &Ray<R>,
-    from: &Departure<R>,
-    best: Hit<R>,
-) -> Hit<R> {
-    let ray = &PreparedRay::new_in::<E, true>(ray, from);
-    let root = Waiting { near: ray.tmin, child: 0 };
-    descend::<R, E, ANY, FEW>(geometry, bvh, ray, &[root], best)
+/// The part of a hierarchy with triangles in it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TrianglesBelow<'a, R: Real> {
+    bvh: &'a Bvh<'a, R>,
+    /// A box around all of it.
+    pub(crate) bounds: Bounds<R>,
+    /// The children of the root that have some.
+    children: [Waiting<R>; WIDTH],
+    count: usize,
+}
+
+impl<'a, R: Real> TrianglesBelow<'a, R> {
+    /// Looks at the children of the root.
+    pub(crate) fn new(bvh: &'a Bvh<'a, R>) -> Self {
+        let nothing = Waiting { near: R::ZERO, child: 0 };
+        let mut below = Self { bvh, bounds: Bounds::EMPTY, children: [nothing; WIDTH], count: 0 };
+        let Some(root) = bvh.nodes.first() else { return below };
+        for lane in 0..root.len() {
+            let child = root.child(lane);
+            if !matches!(decode(child, bvh.quads()), Child::Spheres(_)) {
+                below.bounds = below.bounds.union(&root.bounds(lane));
+                below.children[below.count].child = child;
+                below.count += 1;
+            }
+        }
+        below
+    }
+
+    /// Goes on with a search that found `best` so far, or nothing. The ray must be valid and start at t = 0.
+    #[inline(always)]
+    pub(crate) fn search<E: EffectSet, const ANY: bool>(
+        &self,
+        geometry: &Geometry<'_, R>,
+        ray: &Ray<R>,
+        from: &Departure<R>,
+        best: Hit<R>,
+    ) -> Hit<R> {
+        let ray = &PreparedRay::new_in::<TrianglesOf<E>, true>(ray, from);
+        descend::<R, TrianglesOf<E>, ANY, FEW>(geometry, self.bvh, ray, &self.children[..self.count], best)
+    }
 }
 
 /// Whether all there is are a few spheres in one leaf: a look at its box would cost about as much as they do.
@@ -83,7 +112,7 @@ fn is_small<R: Real>(bvh: &Bvh<'_, R>) -> bool {
 }
 
 /// A child that waits, with where the ray enters it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Waiting<R> {
     near: R,
     child: ChildBits,

@@ -3,8 +3,8 @@
 use super::columns::Vectors;
 use super::directions::Kind;
 use super::hits::Rays;
-use crate::bvh::{Bounds, Bvh, Slabs, search_on};
-use crate::effects::{EffectSet, Effects, TrianglesOf};
+use crate::bvh::{Bounds, Slabs, TrianglesBelow};
+use crate::effects::{EffectSet, Effects};
 use crate::material::Scattering;
 use crate::ray::{Hit, Ray};
 use crate::real::{Real, Vec3, Vector};
@@ -20,9 +20,10 @@ pub(super) struct Few<'a, R: Real> {
     pub(super) spheres: &'a [Sphere<R>],
     /// The spheres once more, as columns.
     pub(super) table: Table<R>,
-    triangles: Bounds<R>,
-    /// Where triangles are; needed only for them.
-    bvh: Option<&'a Bvh<'a, R>>,
+    /// `None` if there are none.
+    triangles: Option<TrianglesBelow<'a, R>>,
+    /// The box around all triangles; empty if there are none.
+    bounds: Bounds<R>,
 }
 
 /// What is known of each sphere by its number.
@@ -51,24 +52,25 @@ impl<'a, R: Real> Few<'a, R> {
         }
         let bvh = scene.bvh().filter(|bvh| bvh.fits(geometry));
         let triangles = match bvh {
-            _ if geometry.triangles().is_empty() => Bounds::EMPTY,
-            Some(bvh) => bvh.box_of_triangles(),
+            _ if geometry.triangles().is_empty() => None,
+            Some(bvh) => Some(TrianglesBelow::new(bvh)),
             None => return None,
         };
-        Some(Self { scene, spheres, table: Table::of::<E>(scene, spheres), triangles, bvh })
+        let bounds = triangles.map_or(Bounds::EMPTY, |triangles| triangles.bounds);
+        Some(Self { scene, spheres, table: Table::of::<E>(scene, spheres), triangles, bounds })
     }
 
     /// Whether a ray may meet a triangle before `tmax`.
     #[inline(always)]
     pub(super) fn may_meet_triangles<E: EffectSet>(&self, ray: &Ray<R>, tmax: R) -> bool {
         let slabs = Slabs::new::<E>(ray.origin.to_array(), ray.direction.to_array().map(|d| R::ONE / d));
-        self.triangles.entry_between(&slabs, R::ZERO, tmax).is_some()
+        self.bounds.entry_between(&slabs, R::ZERO, tmax).is_some()
     }
 
     /// Whether there may be a triangle in a box.
     #[inline(always)]
     pub(super) fn may_have_triangles_in(&self, place: &Bounds<R>) -> bool {
-        self.triangles.meets(place)
+        self.bounds.meets(place)
     }
 
     /// Goes on with the search of a lane that has found `best` among the spheres.
@@ -79,9 +81,9 @@ impl<'a, R: Real> Few<'a, R> {
         lane: usize,
         best: Hit<R>,
     ) -> Hit<R> {
-        let Some(bvh) = self.bvh else { return best };
+        let Some(triangles) = &self.triangles else { return best };
         let (ray, from) = (rays.ray(lane), rays.departure(lane));
-        search_on::<R, TrianglesOf<E>, ANY>(self.scene.geometry(), bvh, &ray, &from, best)
+        triangles.search::<E, ANY>(self.scene.geometry(), &ray, &from, best)
     }
 }
 
