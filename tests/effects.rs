@@ -178,11 +178,11 @@ pub(crate) fn all<R: Real>() -> Case<R> {
 }
 
 /// What can be asked of a kernel, for each case: a visitor, since each set is a type.
-trait Visit<R: Real> {
+pub(crate) trait Visit<R: Real> {
     fn visit<E: EffectSet>(&mut self, effect: Effects, case: &Case<R>);
 }
 
-fn for_each_case<R: Real>(mut visitor: impl Visit<R>) {
+pub(crate) fn for_each_case<R: Real>(mut visitor: impl Visit<R>) {
     let direct = |scene| Case { scene, settings: CAMERA, options: DIRECT };
     let indirect = |scene| Case { scene, settings: CAMERA, options: PathOptions { indirect: true, ..DIRECT } };
     let glowing = |mut scene: OwnedScene<R>| {

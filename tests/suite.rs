@@ -41,6 +41,9 @@ mod film;
 /// Each effect is found, does something, and leaves no trace where it is not asked for.
 mod effects;
 
+/// Paths side by side are the same as paths alone.
+mod wavefront;
+
 /// Building and tracing never allocate.
 mod no_alloc;
 

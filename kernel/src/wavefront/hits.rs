@@ -131,17 +131,29 @@ pub(super) fn closest<R: Real, E: EffectSet>(
     }
 }
 
+/// What rays may meet first.
+struct Candidates<R: Real, const N: usize> {
+    /// Number of the sphere that may be met first, when that may be, and when the next one may.
+    index: [u32; N],
+    first: [R; N],
+    second: [R; N],
+    /// When one of them has been met for certain.
+    latest: [R; N],
+}
+
+impl<R: Real, const N: usize> Candidates<R, N> {
+    const NONE: Self = Self { index: [0; N], first: [R::INFINITY; N], second: [R::INFINITY; N], latest: [R::MAX; N] };
+}
+
 /// The closest hit of each lane among few spheres; and where it is not certain which.
 #[inline(always)]
 fn closest_sphere<R: Real, E: EffectSet>(few: &Few<'_, R>, rays: &Rays<R>, hits: &mut Hits<R>) -> Column<u32> {
     let never = R::INFINITY;
     let lines = Lines::of(rays);
-    // The two that may be met first, and when one is met at the latest.
-    let (mut first, mut second, mut latest) = ([never; LANES], [never; LANES], [R::MAX; LANES]);
-    let mut index = [0u32; LANES];
-    // Group by group, so that these stay in registers.
+    let mut near = Candidates::<R, LANES>::NONE;
+    // Group by group, so that its candidates stay in registers.
     for group in (0..LANES).step_by(GROUP) {
-        let mut found = ([never; GROUP], [never; GROUP], [R::MAX; GROUP], [0u32; GROUP]);
+        let mut found = Candidates::<R, GROUP>::NONE;
         for (number, sphere) in few.spheres.iter().enumerate() {
             let number = number as u32;
             let (center, radius) = (sphere.center, sphere.radius);
@@ -150,34 +162,33 @@ fn closest_sphere<R: Real, E: EffectSet>(few: &Few<'_, R>, rays: &Rays<R>, hits:
                 let reach = reach::<R>(center, radius, &lines.at(rays, lane));
                 let left_out = rays.departed[lane] == number;
                 let reach = if left_out { Reach { earliest: never, latest: never } } else { reach };
-                found.1[k] = lesser(found.1[k], greater(found.0[k], reach.earliest));
-                found.3[k] = if reach.earliest < found.0[k] { number } else { found.3[k] };
-                found.0[k] = lesser(found.0[k], reach.earliest);
-                found.2[k] = lesser(found.2[k], reach.latest);
+                found.second[k] = lesser(found.second[k], greater(found.first[k], reach.earliest));
+                found.index[k] = if reach.earliest < found.first[k] { number } else { found.index[k] };
+                found.first[k] = lesser(found.first[k], reach.earliest);
+                found.latest[k] = lesser(found.latest[k], reach.latest);
             }
         }
-        for k in 0..GROUP {
-            first[group + k] = found.0[k];
-            second[group + k] = found.1[k];
-            latest[group + k] = found.2[k];
-            index[group + k] = found.3[k];
-        }
+        let lanes = group..group + GROUP;
+        near.first[lanes.clone()].copy_from_slice(&found.first);
+        near.second[lanes.clone()].copy_from_slice(&found.second);
+        near.latest[lanes.clone()].copy_from_slice(&found.latest);
+        near.index[lanes].copy_from_slice(&found.index);
     }
 
     let mut odd = lines.odd;
     for lane in 0..LANES {
-        let at = index[lane] as usize % FEW_SPHERES;
+        let at = near.index[lane] as usize % FEW_SPHERES;
         let (center, radius) = (few.table.center.at(at), few.table.radius[at]);
         let sphere = Sphere { center, radius, material: 0, inverted: false };
         let ray = PreparedRay::new_in::<E, false>(&rays.ray(lane), &rays.departure(lane));
         let t = sphere.intersect_in::<E>(&ray, rays.tmax).unwrap_or(never);
-        let none = first[lane] > R::MAX;
-        let certain = t < never && sphere.has_in_box(&ray, t) && !(second[lane] <= latest[lane]);
+        let none = near.first[lane] > R::MAX;
+        let certain = t < never && sphere.has_in_box(&ray, t) && !(near.second[lane] <= near.latest[lane]);
         odd[lane] |= u32::from(!none && !certain);
         hits.t[lane] = if none { rays.tmax } else { t };
         hits.u[lane] = R::ZERO;
         hits.v[lane] = R::ZERO;
-        hits.primitive[lane] = if none { NO_PRIMITIVE } else { index[lane] };
+        hits.primitive[lane] = if none { NO_PRIMITIVE } else { near.index[lane] };
     }
     odd
 }
@@ -203,9 +214,9 @@ pub(super) fn occluded<R: Real, E: EffectSet>(few: &Few<'_, R>, rays: &Rays<R>, 
                 group_met[k] |= u32::from(stays & certain);
             }
         }
+        met[group..group + GROUP].copy_from_slice(&group_met);
         for k in 0..GROUP {
             maybe[group + k] |= group_maybe[k];
-            met[group + k] = group_met[k];
         }
     }
     let mut near = [0u32; LANES];

@@ -9,6 +9,8 @@
 //! What pays most is that spheres need no exact test but of the one that is met: rounded bounds on where each is met
 //! ([`reach`]) say which, for all but a few rays.
 
+#![expect(clippy::needless_range_loop, reason = "stages are loops over lanes, many columns at once")]
+
 mod columns;
 mod departures;
 mod directions;

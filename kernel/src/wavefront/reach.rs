@@ -126,3 +126,83 @@ pub(super) fn occlusion<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>, tma
     let certain = outside & (half_square > doubt) & (foot > slack) & (foot + slack < tmax) & seen.has_in_box(foot);
     (!(beside | behind | beyond), certain)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::departure::Departure;
+    use crate::effects::Everything;
+    use crate::ray::Ray;
+    use crate::robust::normalize;
+    use crate::shape::{PreparedRay, Sphere};
+    use glam::Vec3 as V;
+
+    /// Numbers in -1..1 that look random.
+    fn numbers() -> impl FnMut() -> f32 {
+        let mut state = 1u64;
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 40) as f32 / (1u64 << 23) as f32) - 1.0
+        }
+    }
+
+    #[test]
+    fn bounds_hold_what_the_exact_test_finds_and_are_seldom_doubtful() {
+        let mut next = numbers();
+        let (mut rays, mut certain) = (0, 0);
+        for (radius, distance) in [(1.0, 3.0), (1.0, 0.9), (1.0, 1.0), (940.0, 960.0), (1e-3, 50.0), (10.0, 0.01)] {
+            for scale in [1e-6f32, 1e-2, 1.0, 1e5] {
+                for k in 0..4000 {
+                    let (radius, distance) = (radius * scale, distance * scale);
+                    let mut any = || normalize::<f32>(V::new(next(), next(), next()));
+                    let center = any() * distance;
+                    let (aside, free) = (any(), any());
+                    // At random; at the rim, give or take little; along what touches the sphere at the origin.
+                    let rim = center + normalize::<f32>(aside.cross(center)) * (radius * (1.0 + next() * 1e-6));
+                    let direction = match k % 4 {
+                        0 => free,
+                        1 => center + free * radius,
+                        2 => rim,
+                        _ => normalize::<f32>(aside.cross(center)) + center * (next() * 1e-7 / distance),
+                    };
+                    let direction = direction * if k % 8 < 4 { 1.0 / direction.length() } else { 1.0 };
+                    let sphere = Sphere { center, radius, material: 0, inverted: false };
+                    // As from its surface, on a side that rounding decides.
+                    let error = if k % 3 == 0 { radius * 1e-6 } else { 0.0 };
+                    let ray = Ray::<f32>::new(V::ZERO, direction);
+                    let Some(inverse_square) = PreparedRay::inverse_square_in_range(&ray) else { continue };
+                    let from = Departure { error, ..Departure::exactly(ray.origin) };
+                    let prepared = PreparedRay::new_in::<Everything, false>(&ray, &from);
+                    let line = Line {
+                        origin: ray.origin,
+                        direction,
+                        inverse_square,
+                        inverse_length: inverse_square.sqrt(),
+                        error,
+                    };
+                    let bounds = reach::<f32>(center, radius, &line);
+                    let found = sphere.intersect_in::<Everything>(&prepared, f32::MAX);
+                    let what = (&sphere, &ray, found, bounds.earliest, bounds.latest);
+                    match found {
+                        Some(t) => {
+                            assert!(bounds.earliest <= t && t <= bounds.latest, "{what:?}");
+                            assert!(bounds.latest.is_infinite() || sphere.has_in_box(&prepared, t), "{what:?}");
+                        }
+                        None => assert!(bounds.latest.is_infinite(), "{what:?}"),
+                    }
+                    for tmax in [0.5, 1.0, found.unwrap_or(2.0), found.map_or(3.0, f32::next_down), f32::MAX] {
+                        let (possible, sure) = occlusion::<f32>(center, radius, &line, tmax);
+                        let met = sphere.intersect_in::<Everything>(&prepared, tmax).is_some();
+                        assert!((possible || !met) && (met || !sure), "{what:?} {tmax} {possible} {sure}");
+                    }
+                    if k % 4 < 2 {
+                        rays += 1;
+                        certain += u32::from(found.is_some() != bounds.earliest.is_infinite())
+                            * u32::from(found.is_none() || bounds.latest.is_finite());
+                    }
+                }
+            }
+        }
+        assert!(certain > rays / 5 * 4, "{certain} of {rays} are certain");
+    }
+}
