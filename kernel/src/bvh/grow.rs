@@ -55,6 +55,7 @@ pub(super) fn grow_all<R: Real>(
         let mut part = Part::new(items, first, count);
         part.is_leaf |=
             structure == Structure::Box || (count == items.len() && spheres > 0 && quads(count) <= MAX_ROOT_QUADS);
+        part.is_whole |= part.is_leaf;
         parts.push(part);
     }
     let mut put_off = PutOff::NONE;

@@ -19,7 +19,7 @@ use crate::material::Scattering;
 use crate::path::{albedo, last_segment_counts, survival};
 use crate::ray::NO_PRIMITIVE;
 use crate::real::{Real, Vec3, Vector};
-use crate::sampler::{AddressedSampler, Block, Sampler, SamplerKind, independent};
+use crate::sampler::{AddressedSampler, Block, Sampler, independent};
 use crate::view::{View, Work};
 
 /// The paths of all lanes.
@@ -51,7 +51,6 @@ pub(crate) fn render<R: Real, E: EffectSet>(
         return view.render::<E>(x, y, samples, pixels);
     }
     let Some(few) = Few::of::<E>(scene) else { return view.render::<E>(x, y, samples, pixels) };
-    let independent = !(const { E::EFFECTS.contains(Effects::SOBOL) } && options.sampler == SamplerKind::Sobol);
     let mut queue = Queue::new(pixels, samples);
     let mut paths = Paths {
         rays: Rays::none(),
@@ -61,7 +60,7 @@ pub(crate) fn render<R: Real, E: EffectSet>(
         sees_lights: [false; LANES],
         bounce: [0; LANES],
         place: [0; LANES],
-        addresses: Addresses::new(options.seed, y, independent),
+        addresses: Addresses::new(options.seed, y, options.sampler),
     };
     let (mut hits, mut surfaces) = (Hits::none(), Surfaces::none());
     let (mut departures, mut directions) = (Departures::none(), Directions::none());
@@ -79,12 +78,12 @@ pub(crate) fn render<R: Real, E: EffectSet>(
 
         let mut vertex = paths.bounce;
         vertex.iter_mut().for_each(|vertex| *vertex += 1);
-        let numbers = paths.addresses.numbers(&vertex, Block::Scatter, &paths.live);
+        let numbers = paths.addresses.numbers::<E>(&vertex, Block::Scatter, &paths.live);
         let from = Arrivals { few: &few, rays: &paths.rays, hits: &hits, surfaces: &surfaces };
         departures.reflect::<E>(&from, &paths.live);
         let is_diffuse = kinds.map(|kind| kind == Kind::Diffuse);
         if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
-            let numbers = paths.addresses.numbers(&vertex, Block::Light, &is_diffuse);
+            let numbers = paths.addresses.numbers::<E>(&vertex, Block::Light, &is_diffuse);
             let (arriving, shadows) = direct::<R, E>(options, &from, &departures, &numbers, &is_diffuse);
             rays += shadows;
             for lane in 0..LANES {
@@ -129,7 +128,7 @@ impl<R: Real> Paths<R> {
                 started = k + 1;
             }
             let mut numbers = [[0; GROUP]; 4];
-            if self.addresses.are_independent() {
+            if self.addresses.are_independent::<E>() {
                 for k in 0..GROUP {
                     let four = independent(view.options.seed, columns[k], y, samples[k], 0, Block::Scatter);
                     for (column, number) in numbers.iter_mut().zip(four) {
