@@ -137,7 +137,7 @@ impl Explanation<'_> {
         let needed = if on == has { "all needed".to_owned() } else { format!("{on} needed") };
         writeln!(
             out,
-            "kernel   {} in {}, {} ({needed}); one of {all} kernels; {} instructions",
+            "kernel   {} in {}, {} ({needed}); one of {all} kernels; {}",
             self.row.name,
             self.args.precision,
             counted(has as u64, "effect"),

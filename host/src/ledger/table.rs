@@ -257,7 +257,12 @@ fn within(seconds: &Ratio) -> String {
 /// Half of an interval as a share of the middle.
 pub fn give_or_take(estimate: &Estimate) -> String {
     let share = 100.0 * estimate.half / estimate.value.abs();
-    if share.is_finite() { format!(" +-{share:.0} %") } else { String::new() }
+    match share {
+        _ if !share.is_finite() => String::new(),
+        // As good as nothing is known, and the columns are narrow.
+        _ if share > 99.0 => " +->99%".to_string(),
+        _ => format!(" +-{share:.0} %"),
+    }
 }
 
 /// A factor and whether it is one.
