@@ -69,24 +69,26 @@ pub(crate) struct TrianglesBelow<'a, R: Real> {
     bvh: &'a Bvh<'a, R>,
     /// A box around all of it.
     pub(crate) bounds: Bounds<R>,
-    /// The children of the root that have some.
-    children: [Waiting<R>; WIDTH],
-    count: usize,
+    /// Where to start: at the only child of the root that has some, or at the root.
+    start: ChildBits,
 }
 
 impl<'a, R: Real> TrianglesBelow<'a, R> {
     /// Looks at the children of the root.
     pub(crate) fn new(bvh: &'a Bvh<'a, R>) -> Self {
-        let nothing = Waiting { near: R::ZERO, child: 0 };
-        let mut below = Self { bvh, bounds: Bounds::EMPTY, children: [nothing; WIDTH], count: 0 };
+        let mut below = Self { bvh, bounds: Bounds::EMPTY, start: 0 };
         let Some(root) = bvh.nodes.first() else { return below };
+        let mut count = 0;
         for lane in 0..root.len() {
             let child = root.child(lane);
             if !matches!(decode(child, bvh.quads()), Child::Spheres(_)) {
                 below.bounds = below.bounds.union(&root.bounds(lane));
-                below.children[below.count].child = child;
-                below.count += 1;
+                below.start = child;
+                count += 1;
             }
+        }
+        if count != 1 {
+            below.start = 0;
         }
         below
     }
@@ -101,7 +103,8 @@ impl<'a, R: Real> TrianglesBelow<'a, R> {
         best: Hit<R>,
     ) -> Hit<R> {
         let ray = &PreparedRay::new_in::<TrianglesOf<E>, true>(ray, from);
-        descend::<R, TrianglesOf<E>, ANY, FEW>(geometry, self.bvh, ray, &self.children[..self.count], best)
+        let start = Waiting { near: ray.tmin, child: self.start };
+        descend::<R, TrianglesOf<E>, ANY, FEW>(geometry, self.bvh, ray, &[start], best)
     }
 }
 
