@@ -7,6 +7,9 @@
 //!                    +------ path: throughput *= weight; departure starts the next Ray <--+
 //! ```
 //!
+//! [`View::render`] follows one path after the other; [`View::render_wavefront`] many side by side, through the same
+//! functions.
+//!
 //! # Conventions
 //! Right-handed, y up; a camera's picture has row 0 on top; counter-clockwise front faces. Scene units are whatever
 //! the caller's are; angles are radians; light is linear Rec.709 radiance. Directions `wo` and `wi` leave a surface.

@@ -54,7 +54,7 @@ pub struct Facing<R: Real> {
 
 /// The surface point of `hit`, a hit of `ray` in `scene`. The ray's direction must have length 1, since `wo` is its
 /// opposite.
-#[inline]
+#[inline(always)]
 pub(crate) fn surface_point<R: Real, E: EffectSet>(
     scene: &Scene<'_, R>,
     ray: &Ray<R>,
