@@ -66,7 +66,7 @@ pub struct Kernels<R: Real> {
 }
 
 impl<R: Real> Kernels<R> {
-    /// One path at a time.
+    /// One path at a time; for AVX-512 as for AVX2, which keeps the program small.
     const fn single<E: EffectSet>() -> Self {
         let avx2 = with_avx2::<R, Single<E>>;
         Self { baseline: render::<R, Single<E>>, avx2, avx512: avx2 }

@@ -49,8 +49,7 @@ impl<R: Real> Samples<R> {
                     samples.seen[lane] = wanted[lane] && departures.sphere[lane] != light.sphere;
                 }
                 if sampling == LightSampling::Cone {
-                    let (sphere, emission) = light.body(from.few.scene);
-                    let (sphere, emission) = (*sphere, emission);
+                    let (&sphere, emission) = light.body(from.few.scene);
                     for lane in 0..LANES {
                         let sample = light.sample_cone::<R>(&sphere, emission, surfaces.p.at(lane), u[lane], v[lane]);
                         samples.set(lane, &sample);

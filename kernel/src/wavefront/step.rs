@@ -19,7 +19,7 @@ use crate::material::Scattering;
 use crate::path::{albedo, last_segment_counts, survival};
 use crate::ray::NO_PRIMITIVE;
 use crate::real::{Real, Vec3, Vector};
-use crate::sampler::{AddressedSampler, Block, Sampler, independent};
+use crate::sampler::Block;
 use crate::view::{View, Work};
 
 /// The paths of all lanes.
@@ -127,24 +127,7 @@ impl<R: Real> Paths<R> {
                 self.place[lane] = start.place;
                 started = k + 1;
             }
-            let mut numbers = [[0; GROUP]; 4];
-            if self.addresses.are_independent::<E>() {
-                for k in 0..GROUP {
-                    let four = independent(view.options.seed, columns[k], y, samples[k], 0, Block::Scatter);
-                    for (column, number) in numbers.iter_mut().zip(four) {
-                        column[k] = number;
-                    }
-                }
-            } else {
-                for k in 0..started {
-                    let sampler = AddressedSampler::new(view.options.seed, columns[k], y, samples[k]);
-                    let sampler = sampler.of_kind(view.options.sampler);
-                    for (column, number) in numbers.iter_mut().zip(sampler.numbers(Block::Scatter)) {
-                        column[k] = number;
-                    }
-                    self.addresses.sampler[lanes[k]] = sampler;
-                }
-            }
+            let numbers = self.addresses.start::<E>(&lanes[..started], &columns, &samples);
             let (mut origins, mut directions) = (Vectors::<R, GROUP>::ZERO, Vectors::<R, GROUP>::ZERO);
             let mut offsets = [[R::ZERO; GROUP]; 2];
             for k in 0..GROUP {
@@ -167,8 +150,6 @@ impl<R: Real> Paths<R> {
                 self.live[lane] = true;
                 self.sees_lights[lane] = true;
                 self.bounce[lane] = 0;
-                self.addresses.column[lane] = columns[k];
-                self.addresses.sample[lane] = samples[k];
             }
         }
     }
@@ -195,7 +176,7 @@ impl<R: Real> Paths<R> {
             has_more[lane] = if of_spheres { few.table.has_more[at] } else { 1 };
         }
         for lane in Lanes::that(|lane| self.live[lane] & (has_more[lane] != 0)) {
-            (kinds[lane], has_more[lane]) = (Kind::Ends, 0);
+            kinds[lane] = Kind::Ends;
             let albedo = self.look::<E>(lane, view, hits, surfaces, &mut kinds[lane]);
             albedos.set(lane, albedo);
         }
