@@ -79,6 +79,8 @@ pub trait Real:
     fn floor(self) -> Self;
     /// The integer part, clamped to the range of i32; NaN gives 0.
     fn to_i32(self) -> i32;
+    /// The last 32 bits of its encoding.
+    fn last_bits(self) -> u32;
     /// This magnitude with the sign bit of `sign`.
     fn copysign(self, sign: Self) -> Self;
     /// Whether the sign bit is set (-0 included).
@@ -178,6 +180,11 @@ impl Real for f32 {
     #[inline]
     fn to_i32(self) -> i32 {
         self as i32
+    }
+
+    #[inline]
+    fn last_bits(self) -> u32 {
+        self.to_bits()
     }
 
     #[inline]
@@ -290,6 +297,11 @@ impl Real for f64 {
     #[inline]
     fn to_i32(self) -> i32 {
         self as i32
+    }
+
+    #[inline]
+    fn last_bits(self) -> u32 {
+        self.to_bits() as u32
     }
 
     #[inline]

@@ -28,7 +28,7 @@ impl Join for InTurn {
 }
 
 /// Items and nodes up to which halving the work further does not pay.
-pub(super) const FEW_ITEMS: usize = 1 << 14;
+const FEW_ITEMS: usize = 1 << 14;
 const FEW_NODES: usize = 1 << 12;
 
 /// Which structure to build over the primitives.
@@ -169,11 +169,9 @@ impl<R: Real> Leaves<'_, R> {
                         numbers.iter_mut().zip(four).for_each(|(number, item)| *number = item.primitive);
                         sphere_quads[used[kind]] = SphereQuad::new(geometry.spheres(), &numbers[..four.len()]);
                     } else {
-                        let mut quad = TriangleQuad::EMPTY;
-                        for (lane, item) in four.iter().enumerate() {
-                            quad.set(lane, item.primitive, &geometry.corners(item.primitive as usize));
-                        }
-                        triangle_quads[used[kind]] = quad;
+                        let triangle =
+                            |item: &BuildItem<R>| (item.primitive, geometry.corners(item.primitive as usize));
+                        triangle_quads[used[kind]] = TriangleQuad::new(four.iter().map(triangle));
                     }
                     used[kind] += 1;
                 }

@@ -1,13 +1,15 @@
 //! Where to cut a range of primitives in two: binned surface area heuristic (Wald 2007).
 
-use super::build::{FEW_ITEMS, Join};
+use super::build::Join;
 use super::extent::{BuildItem, Extent, around, grown};
 use super::node::MAX_LEAF_QUADS;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Numbers};
 use crate::real::Real;
 
 /// Most bins along an axis; fewer primitives need fewer.
 const MAX_BINS: usize = 32;
+/// Items that are put into bins in less time than it takes to wake another thread for half of them.
+const FEW_TO_BIN: usize = 1 << 17;
 /// Cost of telling two children apart, in tests of a quad.
 const VISIT_COST: f64 = 1.5;
 /// Cost of one more leaf in a node that has room for it.
@@ -108,20 +110,19 @@ impl<R: Real> Part<R> {
     /// Moves the items that belong left to the front, and keeps those; the rest is returned.
     fn partition(&mut self, items: &mut [BuildItem<R>], plane: &Plane<R>) -> Self {
         let whole = *self;
-        let empty = [Extent::EMPTY; 2];
-        let (mut left, mut right) = (empty, empty);
-        let (mut at, mut end) = (0, items.len());
-        while at < end {
-            let item = items[at];
-            if plane.is_left(&item) {
-                left = grown(&left[0], &left[1], &item);
-                at += 1;
-            } else {
-                right = grown(&right[0], &right[1], &item);
-                end -= 1;
-                items.swap(at, end);
-            }
+        // Without a branch: which side an item belongs to is as good as chance.
+        let mut sides = [[Extent::EMPTY; 2]; 2];
+        let mut at = 0;
+        for next in 0..items.len() {
+            let item = items[next];
+            let is_left = plane.is_left(&item);
+            let side = &mut sides[usize::from(!is_left)];
+            *side = grown(&side[0], &side[1], &item);
+            items[next] = items[at];
+            items[at] = item;
+            at += usize::from(is_left);
         }
+        let [left, right] = sides;
         *self = Self::within(whole.first, at, left);
         Self::within(whole.first + at, whole.count - at, right)
     }
@@ -140,9 +141,7 @@ impl<R: Real> Plane<R> {
     /// Whether its bin is left of the plane.
     #[inline(always)]
     fn is_left(&self, item: &BuildItem<R>) -> bool {
-        let place = self.bins.places(item).to_array()[self.axis];
-        // Written so that keys that are no numbers go left, as into the first bin.
-        !(place >= R::from_f64((self.last_left + 1) as f64))
+        self.bins.of(item)[self.axis] <= self.last_left
     }
 }
 
@@ -155,18 +154,17 @@ struct Bins<R: Real> {
 }
 
 impl<R: Real> Bins<R> {
-    /// Where an item lies along each axis, in bins.
-    #[inline(always)]
-    fn places(&self, item: &BuildItem<R>) -> R::Lanes {
-        (item.keys() - self.low) * self.scale
-    }
-
     /// The bin of an item along each axis; keys that are not numbers go first.
     #[inline(always)]
     fn of(&self, item: &BuildItem<R>) -> [usize; 4] {
-        let places = self.places(item);
-        let last = self.count as i32 - 1;
-        places.to_array().map(|place| place.to_i32().clamp(0, last) as usize)
+        let half = R::from_f64(0.5);
+        let middle_of_first = half / R::UNIT_ROUNDOFF - half;
+        let middle_of_last = R::from_f64((self.count - 1) as f64) + half;
+        let places = (item.keys() - self.low) * self.scale;
+        let places = R::Lanes::splat(half).greater(places).lesser(R::Lanes::splat(middle_of_last));
+        // Added to what makes neighbouring numbers one apart: then their last bits count.
+        let counts = places + R::Lanes::splat(middle_of_first);
+        counts.to_array().map(|count| (count.last_bits() % MAX_BINS as u32) as usize)
     }
 }
 
@@ -178,7 +176,7 @@ impl<R: Real> Filled<R> {
 
     /// Puts items, and nothing else, into bins.
     fn fill(&mut self, items: &[BuildItem<R>], bins: &Bins<R>, join: &impl Join) {
-        if items.len() > FEW_ITEMS {
+        if items.len() > FEW_TO_BIN {
             let (some, more) = items.split_at(items.len() / 2);
             let mut other = Self::EMPTY;
             join.join(|| self.fill(some, bins, join), || other.fill(more, bins, join));

@@ -24,16 +24,19 @@ impl<R: Real> TriangleQuad<R> {
     /// One without triangles.
     pub const EMPTY: Self = Self { corners: [[R::Lanes::NAN; 3]; 3], primitives: [NO_PRIMITIVE; 4] };
 
-    /// Puts a triangle into a lane.
-    pub(crate) fn set(&mut self, lane: usize, primitive: u32, corners: &[Vec3<R>; 3]) {
-        self.primitives[lane] = primitive;
-        for (corner, position) in corners.iter().enumerate() {
-            for (axis, value) in position.to_array().into_iter().enumerate() {
-                let mut four = self.corners[axis][corner].to_array();
-                four[lane] = value;
-                self.corners[axis][corner] = R::Lanes::new(four);
+    /// Of up to four triangles: their numbers and corners.
+    pub(crate) fn new(triangles: impl Iterator<Item = (u32, [Vec3<R>; 3])>) -> Self {
+        let mut corners = [[[R::NAN; 4]; 3]; 3];
+        let mut primitives = [NO_PRIMITIVE; 4];
+        for (lane, (primitive, positions)) in triangles.enumerate() {
+            primitives[lane] = primitive;
+            for (corner, position) in positions.into_iter().enumerate() {
+                for (axis, value) in position.to_array().into_iter().enumerate() {
+                    corners[axis][corner][lane] = value;
+                }
             }
         }
+        Self { corners: corners.map(|axis| axis.map(R::Lanes::new)), primitives }
     }
 
     /// Primitive numbers and corners of its triangles.
@@ -156,13 +159,15 @@ mod tests {
     use crate::ray::Ray;
     use glam::Vec3 as V;
 
+    /// What a lane without a triangle holds.
+    const NOTHING: (u32, [V; 3]) = (NO_PRIMITIVE, [V::NAN; 3]);
+
     #[test]
     fn misses_and_empty_lanes_are_no_candidates() {
         let [a, b, c] = [V::new(0.0, 0.0, -4.0), V::new(2.0, 0.0, -4.0), V::new(0.0, 2.0, -4.0)];
-        let mut quad = TriangleQuad::<f32>::EMPTY;
-        assert_eq!(quad.triangles().count(), 0);
-        quad.set(1, 7, &[a, b, c]);
-        quad.set(2, 9, &[a, c, b].map(|corner| corner + V::X));
+        assert_eq!(TriangleQuad::<f32>::EMPTY.triangles().count(), 0);
+        let moved = [a, c, b].map(|corner| corner + V::X);
+        let quad = TriangleQuad::<f32>::new([NOTHING, (7, [a, b, c]), (9, moved)].into_iter());
         assert!(quad.triangles().eq([quad.triangle(1), quad.triangle(2)]));
         for (x, found) in [(-0.1, 0b000), (0.5, 0b010), (1.0, 0b110), (1.25, 0b110), (2.5, 0b100), (3.5, 0)] {
             for (z, along, found) in [(0.0, -1.0, found), (-8.0, 1.0, found), (0.0, 1.0, 0), (-8.0, -1.0, 0)] {
@@ -175,10 +180,9 @@ mod tests {
     #[test]
     fn triangles_near_a_place_are_those_whose_own_boxes_meet_it() {
         let corners = [V::new(0.5, -1.0, 3.0), V::new(-2.0, 0.25, 3.0), V::new(1.0, 4.0, 3.0)];
-        let mut quad = TriangleQuad::<f32>::EMPTY;
-        for (lane, shift) in [(0, V::ZERO), (1, V::X), (3, V::new(0.0, 1e6, 0.0))] {
-            quad.set(lane, lane as u32, &corners.map(|corner| corner + shift));
-        }
+        let moved = |lane, shift| (lane, corners.map(|corner| corner + shift));
+        let far = V::new(0.0, 1e6, 0.0);
+        let quad = TriangleQuad::<f32>::new([moved(0, V::ZERO), moved(1, V::X), NOTHING, moved(3, far)].into_iter());
         let mut found = [0; 4];
         // Around the corners of the boxes, which are wider than the triangles by some units in the last place.
         for (lane, (_, triangle)) in [0, 1, 3].into_iter().map(|lane| (lane, quad.triangle(lane))) {
@@ -208,8 +212,7 @@ mod tests {
             glam::DVec3::new(power(x, -523), -power(y, -523), -2.0),
             glam::DVec3::new(-power(p, -524), power(q, -524), -2.0),
         ];
-        let mut quad = TriangleQuad::<f64>::EMPTY;
-        quad.set(0, 0, &corners);
+        let quad = TriangleQuad::<f64>::new([(0, corners)].into_iter());
         let ray = Ray::<f64>::new(glam::DVec3::ZERO, glam::DVec3::new(0.0, 0.0, -1.0));
         let prepared = PreparedRay::new(&ray);
         assert!(crate::shape::triangle::intersect(&corners, &prepared, ray.tmax).is_some());

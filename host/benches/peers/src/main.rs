@@ -28,7 +28,7 @@ const SIZES: [usize; 6] = [100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000];
 const BUMPS: usize = 2_000_000;
 /// Triangles of the plain sphere, which is there for its leaks.
 const SPHERE: usize = 20_000;
-/// Builds are repeated in meshes of fewer triangles.
+/// Builds are repeated more often in meshes of fewer triangles.
 const LARGE: usize = 500_000;
 
 fn main() -> ExitCode {
@@ -139,7 +139,7 @@ fn grow(options: &Options, embree: Option<&Embree>, mesh: &Mesh) -> Result<(Vec<
 
 /// How often a hierarchy is built, of which the median counts.
 fn builds(mesh: &Mesh) -> usize {
-    if mesh.triangles.len() < LARGE { 5 } else { 1 }
+    if mesh.triangles.len() < LARGE { 5 } else { 3 }
 }
 
 /// Our own rows, the most instructions first, and those of the others that are wanted.
