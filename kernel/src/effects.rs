@@ -66,6 +66,11 @@ pub(crate) struct TrianglesOf<E>(core::marker::PhantomData<E>);
 impl<E: EffectSet> EffectSet for TrianglesOf<E> {
     const EFFECTS: Effects = E::EFFECTS.without(Effects::SPHERES);
     const ACCURACY: Accuracy = E::ACCURACY;
+
+    #[inline(always)]
+    fn prefetch<T>(soon: &T) {
+        E::prefetch(soon);
+    }
 }
 
 impl Effects {
@@ -124,6 +129,11 @@ pub trait EffectSet: Copy + Send + Sync + 'static {
     const EFFECTS: Effects;
     /// What exactness it spends its time on.
     const ACCURACY: Accuracy = Accuracy::ROBUST;
+
+    /// Called with what is about to be read, for processors that have an instruction to fetch it meanwhile. Nothing but time
+    /// depends on it, and by default it does nothing: such instructions are no safe code.
+    #[inline(always)]
+    fn prefetch<T>(_soon: &T) {}
 }
 
 /// The kernel that can do all there is.

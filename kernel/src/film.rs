@@ -12,8 +12,16 @@ struct ExactSum {
 }
 
 impl ExactSum {
+    /// As [`ExactSum::merge`] of a sum whose rest is zero, where half of it has no effect.
     #[inline(always)]
-    fn add(&mut self, other: Self) {
+    fn add(&mut self, value: f64) {
+        let (sum, error) = two_sum(self.high, value);
+        let (high, low) = two_sum(sum, error + self.low);
+        *self = Self { high, low };
+    }
+
+    #[inline(always)]
+    fn merge(&mut self, other: Self) {
         let (sum, error) = two_sum(self.high, other.high);
         let (low, low_error) = two_sum(self.low, other.low);
         let (sum, error) = two_sum(sum, error + low);
@@ -49,7 +57,7 @@ impl Pixel {
         self.count = self.count.saturating_add(1);
         for (channel, value) in radiance.into_iter().enumerate() {
             let value = f64::from(value);
-            self.sums[channel].add(ExactSum { high: value, low: 0.0 });
+            self.sums[channel].add(value);
             self.squares[channel] += value * value;
         }
     }
@@ -59,7 +67,7 @@ impl Pixel {
         self.count = self.count.saturating_add(other.count);
         self.non_finite = self.non_finite.saturating_add(other.non_finite);
         for channel in 0..3 {
-            self.sums[channel].add(other.sums[channel]);
+            self.sums[channel].merge(other.sums[channel]);
             self.squares[channel] += other.squares[channel];
         }
     }
@@ -151,6 +159,26 @@ mod tests {
         }
         assert_eq!(pixel.mean(), [0.1, 1e6, 1e-4]);
         assert_eq!(pixel.variance()[1], 0.0);
+    }
+
+    #[test]
+    fn adding_a_sample_is_merging_a_pixel_of_it() {
+        let (mut added, mut merged, mut state) = (Pixel::EMPTY, Pixel::EMPTY, 1u32);
+        for k in 0..100_000 {
+            // All signs and magnitudes, and now and then what was there before, taken away.
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let any = f32::from_bits(state);
+            let sample = [any, -added.mean()[1] + any * 1e-8, if k % 3 == 0 { -0.0 } else { (state >> 8) as f32 }];
+            if sample.iter().all(|x| x.is_finite()) {
+                let mut one = Pixel::EMPTY;
+                one.add(sample);
+                added.add(sample);
+                merged.merge(&one);
+                let bits = |pixel: &Pixel| pixel.sums.map(|sum| [sum.high, sum.low].map(f64::to_bits));
+                assert_eq!((added, bits(&added)), (merged, bits(&merged)), "{k}");
+            }
+        }
+        assert!(added.count() > 90_000);
     }
 
     #[test]

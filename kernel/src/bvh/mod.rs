@@ -21,6 +21,7 @@ pub use node::{Branch, Child, Node, WIDTH};
 pub(crate) use traverse::{TrianglesBelow, search};
 pub use traverse::{intersect, occluded};
 
+use crate::effects::EffectSet;
 use crate::error::CapacityError;
 use crate::real::Real;
 use crate::shape::{Geometry, SphereQuad, TriangleQuad};
@@ -86,6 +87,16 @@ impl<'a, R: Real> Bvh<'a, R> {
     #[inline]
     pub fn fits(&self, geometry: &Geometry<'_, R>) -> bool {
         self.built_for == [geometry.spheres().len(), geometry.triangles().len()]
+    }
+
+    /// Has the memory of a child fetched that is going to be visited later: a node, or the first triangles of a leaf.
+    #[inline(always)]
+    fn prefetch<E: EffectSet>(&self, child: node::ChildBits) {
+        match node::decode(child, self.quads()) {
+            Child::Node(node) => self.nodes.get(node).into_iter().for_each(E::prefetch),
+            Child::Triangles(quads) => self.triangle_quads.get(quads.start).into_iter().for_each(E::prefetch),
+            Child::Spheres(_) => {}
+        }
     }
 
     #[inline(always)]

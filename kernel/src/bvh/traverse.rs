@@ -199,6 +199,7 @@ fn descend<R: Real, E: EffectSet, const ANY: bool, const ROOM: usize>(
                         if !ANY && other.near < nearest.near {
                             core::mem::swap(&mut other, &mut nearest);
                         }
+                        bvh.prefetch::<E>(other.child);
                         stack.insert(if ANY { stack.top } else { first }, other);
                     }
                     child = nearest.child;

@@ -73,6 +73,32 @@ impl<'a, R: Real> Few<'a, R> {
         self.bounds.meets(place)
     }
 
+    /// Which of the triangles a primitive is, if it is one.
+    #[inline(always)]
+    fn triangle(&self, primitive: u32) -> Option<usize> {
+        let triangle = (primitive as usize).checked_sub(self.spheres.len())?;
+        (triangle < self.scene.attributes().len()).then_some(triangle)
+    }
+
+    /// Has what is known of a triangle fetched.
+    #[inline(always)]
+    pub(super) fn prefetch_triangle<E: EffectSet>(&self, primitive: u32) {
+        if let Some(triangle) = self.triangle(primitive) {
+            self.scene.geometry().triangles().get(triangle).into_iter().for_each(E::prefetch);
+            self.scene.attributes().get(triangle).into_iter().for_each(E::prefetch);
+        }
+    }
+
+    /// Has the corners of a triangle fetched.
+    #[inline(always)]
+    pub(super) fn prefetch_corners<E: EffectSet>(&self, primitive: u32) {
+        let geometry = self.scene.geometry();
+        let corners = self.triangle(primitive).and_then(|triangle| geometry.triangles().get(triangle));
+        for &corner in corners.into_iter().flatten() {
+            geometry.positions().get(corner as usize).into_iter().for_each(E::prefetch);
+        }
+    }
+
     /// Goes on with the search of a lane that has found `best` among the spheres.
     #[inline(always)]
     pub(super) fn search_triangles<E: EffectSet, const ANY: bool>(

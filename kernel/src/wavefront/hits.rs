@@ -127,6 +127,7 @@ pub(super) fn closest<R: Real, E: EffectSet>(
         }
         for lane in Lanes::that(|lane| wanted[lane] & (near[lane] != 0) & (odd[lane] == 0)) {
             hits.set(lane, few.search_triangles::<E, false>(rays, lane, hits.at(lane)));
+            few.prefetch_triangle::<E>(hits.primitive[lane]);
         }
     }
 }

@@ -74,6 +74,10 @@ impl<R: Real> Surfaces<R> {
     /// Those of all hits; of spheres for all lanes at once, of triangles one by one.
     #[inline(always)]
     pub(super) fn find<E: EffectSet>(&mut self, few: &Few<'_, R>, rays: &Rays<R>, hits: &Hits<R>) {
+        let first_triangle = few.spheres.len() as u32;
+        let end = if const { E::EFFECTS.contains(Effects::TRIANGLES) } { few.scene.geometry().len() as u32 } else { 0 };
+        let of_triangles = Lanes::that(|lane| (first_triangle..end).contains(&hits.primitive[lane]));
+        of_triangles.for_each(|lane| few.prefetch_corners::<E>(hits.primitive[lane]));
         for lane in 0..LANES {
             let at = hits.primitive[lane] as usize % FEW_SPHERES;
             let (center, radius) = (few.table.center.at(at), few.table.radius[at]);
@@ -92,8 +96,7 @@ impl<R: Real> Surfaces<R> {
         }
         if const { E::EFFECTS.contains(Effects::TRIANGLES) } {
             self.uv = [[R::ZERO; LANES]; 2];
-            let triangles = few.spheres.len() as u32..few.scene.geometry().len() as u32;
-            for lane in Lanes::that(|lane| triangles.contains(&hits.primitive[lane])) {
+            for lane in of_triangles {
                 self.set(lane, surface_point::<R, E>(few.scene, &rays.ray(lane), &hits.at(lane)));
             }
         }
