@@ -1,8 +1,15 @@
 //! Instruction sets: what kernels are compiled for, and what this machine has of it.
 
 use std::fmt;
+use std::marker::PhantomData;
+
+use ocellus_kernel::{Accuracy, EffectSet, Effects};
 
 use crate::error::Error;
+
+/// How much memory is fetched at once, in bytes.
+#[cfg(target_arch = "x86_64")]
+const CACHE_LINE: usize = 64;
 
 /// Instructions that a kernel may be compiled for. They change the time, and no bit of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,6 +91,30 @@ pub(crate) fn has_avx2() -> bool {
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) fn has_avx512() -> bool {
     false
+}
+
+/// What kernels for this machine do, with its instruction for fetching what is about to be read.
+#[derive(Clone, Copy, Debug)]
+pub struct Prefetching<E>(PhantomData<E>);
+
+impl<E: EffectSet> EffectSet for Prefetching<E> {
+    const EFFECTS: Effects = E::EFFECTS;
+    const ACCURACY: Accuracy = E::ACCURACY;
+
+    #[inline(always)]
+    fn prefetch<T>(soon: &T) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            let start = std::ptr::from_ref(soon).cast::<i8>();
+            for line in (0..size_of::<T>()).step_by(CACHE_LINE) {
+                // SAFETY: the address is one of the value's; and the instruction reads nothing, whatever it is.
+                unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(line)) };
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = soon;
+    }
 }
 
 /// What all of this program was compiled for.

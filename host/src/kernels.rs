@@ -11,7 +11,7 @@ use ocellus_kernel::{Accuracy, EffectSet, Effects, Everything, Pixel, Real, View
 
 use crate::accuracy::describe;
 use crate::error::Error;
-use crate::isa::{self, Isa};
+use crate::isa::{self, Isa, Prefetching};
 
 /// A kernel: adds samples to a stretch of pixels ([`View::render`]).
 pub type Kernel<R> = fn(&View<'_, R>, u32, u32, Range<u32>, &mut [Pixel]) -> Work;
@@ -98,7 +98,7 @@ struct Single<E>(PhantomData<E>);
 impl<E: EffectSet> Way for Single<E> {
     #[inline(always)]
     fn render<R: Real>(view: &View<'_, R>, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work {
-        view.render::<E>(x, y, samples, pixels)
+        view.render::<Prefetching<E>>(x, y, samples, pixels)
     }
 }
 
@@ -108,7 +108,7 @@ struct Many<E>(PhantomData<E>);
 impl<E: EffectSet> Way for Many<E> {
     #[inline(always)]
     fn render<R: Real>(view: &View<'_, R>, x: u32, y: u32, samples: Range<u32>, pixels: &mut [Pixel]) -> Work {
-        view.render_wavefront::<E>(x, y, samples, pixels)
+        view.render_wavefront::<Prefetching<E>>(x, y, samples, pixels)
     }
 }
 

@@ -135,7 +135,7 @@ impl Monitor for Unmonitored {
 }
 
 /// Largest number of samples of a pass: small enough that a picture that is stopped early is even.
-const LARGEST_PASS: u32 = 16;
+const LARGEST_PASS: u32 = 32;
 
 /// Renders `description`. The picture depends on the description and the samples alone.
 ///

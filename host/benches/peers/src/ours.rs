@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use ocellus::hierarchy::Hierarchy;
+use ocellus::isa::Prefetching;
 use ocellus_kernel::bvh::Structure;
 use ocellus_kernel::material::{Diffuse, Material, Scattering};
 use ocellus_kernel::shape::{Geometry, TriangleAttributes};
@@ -113,7 +114,7 @@ impl Work for Closest<'_> {
     #[inline(always)]
     fn run<const ISA: u8>(self) {
         for (ray, answer) in self.rays.iter().zip(self.answers) {
-            *answer = match self.scene.intersect_in::<Triangles<ISA>>(&kernel_ray(ray)) {
+            *answer = match self.scene.intersect_in::<Prefetching<Triangles<ISA>>>(&kernel_ray(ray)) {
                 Some(hit) => Answer { t: hit.t, u: hit.u, v: hit.v, primitive: hit.primitive },
                 None => Answer::MISS,
             };
@@ -131,7 +132,7 @@ impl Work for Any<'_> {
     #[inline(always)]
     fn run<const ISA: u8>(self) {
         for (ray, answer) in self.rays.iter().zip(self.answers) {
-            *answer = Answer::any(self.scene.occluded_in::<Triangles<ISA>>(&kernel_ray(ray)));
+            *answer = Answer::any(self.scene.occluded_in::<Prefetching<Triangles<ISA>>>(&kernel_ray(ray)));
         }
     }
 }
