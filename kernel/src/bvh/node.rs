@@ -76,6 +76,13 @@ pub(super) fn decode(child: ChildBits, all: [usize; 2]) -> Child {
     }
 }
 
+/// The number of the node that a child is, and of the first quad of triangles if it is a leaf of some; 0 else.
+#[inline(always)]
+pub(super) fn places(child: ChildBits) -> (usize, usize) {
+    let is_leaf = child & LEAF != 0;
+    (if is_leaf { 0 } else { child as usize }, if is_leaf { (child & FIRST) as usize } else { 0 })
+}
+
 impl<R: Real> Node<R> {
     /// A node without children.
     pub const EMPTY: Self = Self {
