@@ -1,6 +1,6 @@
 //! The builder: from the root down, in place, without an allocator.
 
-use super::extent::{BuildItem, Extent};
+use super::extent::BuildItem;
 use super::grow::grow_all;
 use super::node::MAX_QUADS;
 use super::split::quads;
@@ -166,11 +166,13 @@ impl<R: Real> Leaves<'_, R> {
                 for four in items[range].chunks(4) {
                     if of_spheres {
                         let mut numbers = [0; 4];
-                        numbers.iter_mut().zip(four).for_each(|(number, item)| *number = item.primitive);
+                        numbers.iter_mut().zip(four).for_each(|(number, item)| *number = item.primitive());
                         sphere_quads[used[kind]] = SphereQuad::new(geometry.spheres(), &numbers[..four.len()]);
                     } else {
-                        let triangle =
-                            |item: &BuildItem<R>| (item.primitive, geometry.corners(item.primitive as usize));
+                        let triangle = |item: &BuildItem<R>| {
+                            let primitive = item.primitive();
+                            (primitive, geometry.corners(primitive as usize))
+                        };
                         triangle_quads[used[kind]] = TriangleQuad::new(four.iter().map(triangle));
                     }
                     used[kind] += 1;
@@ -190,7 +192,7 @@ fn prepare<R: Real>(geometry: &Geometry<'_, R>, items: &mut [BuildItem<R>], firs
         return;
     }
     for (index, item) in (first..).zip(items) {
-        *item = BuildItem { extent: Extent::new(&geometry.bounds(index)), primitive: index as u32 };
+        *item = BuildItem::new(&geometry.bounds(index), index as u32);
     }
 }
 

@@ -4,7 +4,7 @@ use super::Bounds;
 use crate::lanes::{Lanes, Numbers};
 use crate::real::Real;
 
-/// A box, its fourth lane unused.
+/// A box; its fourth lane does not count.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent<R: Real> {
     pub(super) low: R::Lanes,
@@ -15,8 +15,12 @@ impl<R: Real> Extent<R> {
     pub(super) const EMPTY: Self = Self { low: R::Lanes::MAX, high: R::Lanes::LOWEST };
 
     pub(super) fn new(bounds: &Bounds<R>) -> Self {
+        Self::with_fourth(bounds, [R::ZERO; 2])
+    }
+
+    fn with_fourth(bounds: &Bounds<R>, fourth: [R; 2]) -> Self {
         let [[x, y, z], [high_x, high_y, high_z]] = bounds.corners;
-        Self { low: R::Lanes::new([x, y, z, R::ZERO]), high: R::Lanes::new([high_x, high_y, high_z, R::ZERO]) }
+        Self { low: R::Lanes::new([x, y, z, fourth[0]]), high: R::Lanes::new([high_x, high_y, high_z, fourth[1]]) }
     }
 
     pub(super) fn bounds(&self) -> Bounds<R> {
@@ -41,16 +45,28 @@ impl<R: Real> Extent<R> {
     }
 }
 
-/// Scratch of the builder: one per primitive.
+/// Scratch of the builder: one per primitive. 32 bytes in f32.
 #[derive(Clone, Copy, Debug)]
 pub struct BuildItem<R: Real> {
+    /// The primitive's box. In its fourth lanes is the primitive's number: the upper half of its bits, and the lower one.
     pub(super) extent: Extent<R>,
-    pub(super) primitive: u32,
 }
 
 impl<R: Real> BuildItem<R> {
     /// An item of a scratch that holds nothing yet.
-    pub const EMPTY: Self = Self { extent: Extent::EMPTY, primitive: 0 };
+    pub const EMPTY: Self = Self { extent: Extent::EMPTY };
+
+    pub(super) fn new(bounds: &Bounds<R>, primitive: u32) -> Self {
+        let [low, high] = [primitive >> 16, primitive & 0xFFFF].map(|half| R::from_f64(f64::from(half)));
+        Self { extent: Extent::with_fourth(bounds, [low, high]) }
+    }
+
+    /// The primitive's number.
+    #[inline(always)]
+    pub(super) fn primitive(&self) -> u32 {
+        let [high, low] = [self.extent.low, self.extent.high].map(|lanes| lanes.to_array()[3].to_i32() as u32);
+        high << 16 | low
+    }
 
     /// Twice the centre of the box: as good a key as the centre.
     #[inline(always)]
@@ -66,7 +82,7 @@ pub(super) fn around<R: Real>(items: &[BuildItem<R>]) -> [Extent<R>; 2] {
 
 /// Both boxes with one more item.
 #[inline(always)]
-pub(super) fn grown<R: Real>(bounds: &Extent<R>, keys: &Extent<R>, item: &BuildItem<R>) -> [Extent<R>; 2] {
+fn grown<R: Real>(bounds: &Extent<R>, keys: &Extent<R>, item: &BuildItem<R>) -> [Extent<R>; 2] {
     let key = item.keys();
     [bounds.union(&item.extent), keys.union(&Extent { low: key, high: key })]
 }

@@ -1,7 +1,7 @@
 //! Where to cut a range of primitives in two: binned surface area heuristic (Wald 2007).
 
 use super::build::Join;
-use super::extent::{BuildItem, Extent, around, grown};
+use super::extent::{BuildItem, Extent, around};
 use super::node::MAX_LEAF_QUADS;
 use crate::lanes::{Lanes, Numbers};
 use crate::real::Real;
@@ -29,6 +29,8 @@ pub(super) struct Part<R: Real> {
     pub(super) is_leaf: bool,
     /// Whether that holds even where cutting it costs no node.
     pub(super) is_whole: bool,
+    /// The cheapest plane, once it has been looked for.
+    plane: Option<Option<Plane<R>>>,
 }
 
 /// How parts are cut.
@@ -48,8 +50,15 @@ pub(super) const fn quads(count: usize) -> usize {
 }
 
 impl<R: Real> Part<R> {
-    pub(super) const EMPTY: Self =
-        Self { first: 0, count: 0, bounds: Extent::EMPTY, keys: Extent::EMPTY, is_leaf: true, is_whole: true };
+    pub(super) const EMPTY: Self = Self {
+        first: 0,
+        count: 0,
+        bounds: Extent::EMPTY,
+        keys: Extent::EMPTY,
+        is_leaf: true,
+        is_whole: true,
+        plane: None,
+    };
 
     pub(super) fn new(items: &[BuildItem<R>], first: usize, count: usize) -> Self {
         Self::within(first, count, around(&items[first..first + count]))
@@ -58,7 +67,7 @@ impl<R: Real> Part<R> {
     /// Of items in a box, with their keys in another.
     fn within(first: usize, count: usize, [bounds, keys]: [Extent<R>; 2]) -> Self {
         let is_whole = quads(count) <= 1;
-        Self { first, count, bounds, keys, is_leaf: is_whole, is_whole }
+        Self { first, count, bounds, keys, is_leaf: is_whole, is_whole, plane: None }
     }
 
     /// Cuts it in two, each in its place; the other half is returned. `None` where a leaf is better.
@@ -71,7 +80,10 @@ impl<R: Real> Part<R> {
     ) -> Option<Self> {
         let range = &mut items[self.first..self.first + self.count];
         let is_too_large = quads(self.count) > MAX_LEAF_QUADS;
-        let plane = if cut != Cut::Halves { best_plane(range, &self.keys, filled, join) } else { None };
+        let plane = match cut {
+            Cut::Halves => None,
+            _ => *self.plane.get_or_insert_with(|| best_plane(range, &self.keys, filled, join)),
+        };
         let whole = *self;
         let right = match plane {
             Some(plane) => {
@@ -111,20 +123,17 @@ impl<R: Real> Part<R> {
     fn partition(&mut self, items: &mut [BuildItem<R>], plane: &Plane<R>) -> Self {
         let whole = *self;
         // Without a branch: which side an item belongs to is as good as chance.
-        let mut sides = [[Extent::EMPTY; 2]; 2];
         let mut at = 0;
         for next in 0..items.len() {
             let item = items[next];
             let is_left = plane.is_left(&item);
-            let side = &mut sides[usize::from(!is_left)];
-            *side = grown(&side[0], &side[1], &item);
             items[next] = items[at];
             items[at] = item;
             at += usize::from(is_left);
         }
-        let [left, right] = sides;
-        *self = Self::within(whole.first, at, left);
-        Self::within(whole.first + at, whole.count - at, right)
+        let (left, right) = items.split_at(at);
+        *self = Self::within(whole.first, left.len(), around(left));
+        Self::within(whole.first + at, right.len(), around(right))
     }
 }
 
@@ -247,6 +256,6 @@ fn halve<R: Real>(items: &mut [BuildItem<R>], keys: &Extent<R>) {
             key if key.is_nan() => 0.0,
             key => key,
         });
-        key_a.total_cmp(&key_b).then(a.primitive.cmp(&b.primitive))
+        key_a.total_cmp(&key_b).then(a.primitive().cmp(&b.primitive()))
     });
 }
