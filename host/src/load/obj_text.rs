@@ -11,7 +11,6 @@
 
 use crate::load::obj_lines::{CORNER_REMEDY, Fault, key_and_rest, parse_corner, statements, without_comment};
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// What every corner of a face has beside its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,8 +140,9 @@ impl ObjText {
 }
 
 fn push_statement(text: &mut String, key: &str, rest: &str) {
-    // Writing to a String cannot fail.
-    writeln!(text, "{key} {rest}").ok();
+    for part in [key, " ", rest, "\n"] {
+        text.push_str(part);
+    }
 }
 
 /// The first three of six or more numbers, and the others.
