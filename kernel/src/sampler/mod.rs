@@ -19,6 +19,7 @@ pub use foreign::{AddressedRng, ForeignSampler, NUMBERS_PER_VERTEX};
 pub use philox::philox;
 
 use philox::ROUNDS;
+pub(crate) use sobol::Places;
 
 /// Which four numbers of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +54,12 @@ pub enum SamplerKind {
 #[inline(always)]
 pub(crate) fn independent(seed: u64, x: u32, y: u32, sample: u32, vertex: u32, block: Block) -> [u32; 4] {
     philox::<ROUNDS>([pixel(x, y), sample, vertex, block as u32], key(seed))
+}
+
+/// Keeps where Sobol's numbers of a pixel are.
+#[inline(always)]
+pub(crate) fn place<const N: usize>(places: &mut Places<N>, at: usize, seed: u64, x: u32, y: u32) {
+    places.set(at, sobol::Place::new(pixel(x, y), key(seed)));
 }
 
 /// Row and column, 16 bits each.

@@ -93,6 +93,28 @@ fn point(reversed_index: u32) -> [u32; 4] {
     sum
 }
 
+/// [`point`] without a table, for vectors, which have none.
+#[inline(always)]
+fn point_bit_by_bit(reversed_index: u32) -> [u32; 4] {
+    let mut sum = [0; 4];
+    // Byte by byte: compilers unroll short loops, and only then are the sums in registers.
+    add_byte::<0>(reversed_index, &mut sum);
+    add_byte::<1>(reversed_index, &mut sum);
+    add_byte::<2>(reversed_index, &mut sum);
+    add_byte::<3>(reversed_index, &mut sum);
+    sum
+}
+
+#[inline(always)]
+fn add_byte<const BYTE: usize>(reversed_index: u32, sum: &mut [u32; 4]) {
+    for bit in 8 * BYTE..8 * BYTE + 8 {
+        let is_set = (reversed_index >> bit & 1).wrapping_neg();
+        for (sum, add) in sum.iter_mut().zip(&SUMS[bit / 4][1 << (bit % 4)]) {
+            *sum ^= add & is_set;
+        }
+    }
+}
+
 /// Nested uniform scrambling of reversed bits: each bit is flipped or not, as `seed` and the bits below it say. A
 /// multiplication only carries upwards, so hashing by additions and multiplications does that (Laine and Karras:
 /// Stratified sampling for stochastic transparency. EGSR 2011, section 3.1), here with the steps and constants of
@@ -122,13 +144,65 @@ impl Place {
     /// Four numbers: those of sample `sample` in the sequence that belongs to a block of a vertex.
     #[inline(always)]
     pub(super) fn numbers(&self, [vertex, block]: [u32; 2], sample: u32) -> [u32; 4] {
+        let (index, seeds) = self.scrambled([vertex, block], sample);
+        let point = point(index);
+        core::array::from_fn(|lane| scramble(point[lane], seeds[lane]).reverse_bits())
+    }
+
+    /// The reversed index of a sample's point, and what the point's coordinates are scrambled by.
+    #[inline(always)]
+    fn scrambled(&self, [vertex, block]: [u32; 2], sample: u32) -> (u32, [u32; 4]) {
         let counter = vertex.wrapping_mul(2).wrapping_add(block).wrapping_mul(0x9E37_79B9);
         let seeds = self.0.map(|word| mix(word.wrapping_add(counter)));
         // Two of the four for a fifth: each of them alone scrambles a number, too, so they are mixed once more.
         let order = mix(seeds[0] ^ seeds[1].rotate_left(16));
         // Scrambling the index keeps aligned blocks of 2^m samples together, whichever place they move to.
-        let point = point(scramble(sample.reverse_bits(), order));
-        core::array::from_fn(|lane| scramble(point[lane], seeds[lane]).reverse_bits())
+        (scramble(sample.reverse_bits(), order), seeds)
+    }
+}
+
+/// [`Place`]s of several pixels side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Places<const N: usize>([[u32; N]; 4]);
+
+impl<const N: usize> Places<N> {
+    /// Nowhere.
+    pub(crate) const NONE: Self = Self([[0; N]; 4]);
+
+    #[inline(always)]
+    pub(super) fn set(&mut self, at: usize, place: Place) {
+        self.0.iter_mut().zip(place.0).for_each(|(words, word)| words[at] = word);
+    }
+
+    /// Makes one of them one of others.
+    #[inline(always)]
+    pub(crate) fn copy<const M: usize>(&mut self, at: usize, others: &Places<M>, from: usize) {
+        self.set(at, others.at(from));
+    }
+
+    #[inline(always)]
+    fn at(&self, at: usize) -> Place {
+        Place(core::array::from_fn(|word| self.0[word][at]))
+    }
+
+    /// Some of them, from `first` on.
+    #[inline(always)]
+    pub(crate) fn part<const M: usize>(&self, first: usize) -> Places<M> {
+        Places(core::array::from_fn(|word| core::array::from_fn(|at| self.0[word][first + at])))
+    }
+
+    /// [`Place::numbers`] of each.
+    #[inline(always)]
+    pub(crate) fn numbers(&self, vertices: &[u32; N], block: u32, samples: &[u32; N]) -> [[u32; N]; 4] {
+        let mut numbers = [[0; N]; 4];
+        for at in 0..N {
+            let (index, seeds) = self.at(at).scrambled([vertices[at], block], samples[at]);
+            let point = point_bit_by_bit(index);
+            for ((numbers, x), seed) in numbers.iter_mut().zip(point).zip(seeds) {
+                numbers[at] = scramble(x, seed).reverse_bits();
+            }
+        }
+        numbers
     }
 }
 
@@ -170,6 +244,23 @@ mod tests {
         for (at, expected) in (0u32..).zip(PUBLISHED) {
             let index = at ^ at >> 1;
             assert_eq!(point(index.reverse_bits()).map(u32::reverse_bits), expected.map(|x| x << 27), "point {at}");
+        }
+    }
+
+    #[test]
+    fn many_numbers_are_those_of_each() {
+        let mut places = Places::<8>::NONE;
+        for round in 0..200u32 {
+            let word = |at: usize, k: u32| mix(round * 64 + at as u32 * 8 + k);
+            let [vertices, samples] = [0, 1].map(|k| core::array::from_fn(|at| word(at, k) >> (round % 32)));
+            (0..8).for_each(|at| places.set(at, Place(core::array::from_fn(|k| word(at, 2 + k as u32)))));
+            let block = round % 2;
+            let many = places.numbers(&vertices, block, &samples);
+            for at in 0..8 {
+                let four = places.at(at).numbers([vertices[at], block], samples[at]);
+                assert_eq!(many.map(|column| column[at]), four);
+                assert_eq!(places.part::<2>(at / 2 * 2).at(at % 2).0, places.at(at).0);
+            }
         }
     }
 

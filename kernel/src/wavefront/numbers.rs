@@ -2,7 +2,7 @@
 
 use super::columns::{Column, GROUP, LANES};
 use crate::effects::{EffectSet, Effects};
-use crate::sampler::{AddressedSampler, Block, Sampler, SamplerKind, independent};
+use crate::sampler::{Block, Places, SamplerKind, independent, place};
 
 /// Where each lane is among the sample numbers.
 pub(super) struct Addresses {
@@ -12,16 +12,15 @@ pub(super) struct Addresses {
     column: Column<u32>,
     sample: Column<u32>,
     /// Needed only where numbers are not independent.
-    sampler: Column<AddressedSampler>,
+    places: Places<LANES>,
 }
 
 impl Addresses {
     pub(super) fn new(seed: u64, row: u32, kind: SamplerKind) -> Self {
-        let sampler = [AddressedSampler::new(seed, 0, row, 0); LANES];
-        Self { seed, row, kind, column: [0; LANES], sample: [0; LANES], sampler }
+        Self { seed, row, kind, column: [0; LANES], sample: [0; LANES], places: Places::NONE }
     }
 
-    /// Whether numbers are independent: then all lanes' are made at once.
+    /// Whether numbers are independent.
     #[inline(always)]
     fn are_independent<E: EffectSet>(&self) -> bool {
         self.kind == SamplerKind::Independent || const { !E::EFFECTS.contains(Effects::SOBOL) }
@@ -42,30 +41,28 @@ impl Addresses {
         if self.are_independent::<E>() {
             return self.independent(columns, samples, &[0; GROUP], Block::Scatter);
         }
-        let mut numbers = [[0; GROUP]; 4];
-        for (k, &lane) in lanes.iter().enumerate() {
-            self.sampler[lane] = AddressedSampler::new(self.seed, columns[k], self.row, samples[k]).of_kind(self.kind);
-            put(&mut numbers, k, self.sampler[lane].numbers(Block::Scatter));
+        let mut places = Places::<GROUP>::NONE;
+        for k in 0..GROUP {
+            place(&mut places, k, self.seed, columns[k], self.row);
         }
-        numbers
+        for (k, &lane) in lanes.iter().enumerate() {
+            self.places.copy(lane, &places, k);
+        }
+        places.numbers(&[0; GROUP], Block::Scatter as u32, samples)
     }
 
-    /// The four numbers of a block in each wanted lane.
+    /// The four numbers of a block in each lane.
     #[inline(always)]
-    pub(super) fn numbers<E: EffectSet>(
-        &mut self,
-        vertex: &Column<u32>,
-        block: Block,
-        wanted: &Column<bool>,
-    ) -> [Column<u32>; 4] {
+    pub(super) fn numbers<E: EffectSet>(&self, vertex: &Column<u32>, block: Block) -> [Column<u32>; 4] {
         if self.are_independent::<E>() {
             return self.independent(&self.column, &self.sample, vertex, block);
         }
         let mut numbers = [[0; LANES]; 4];
-        for lane in 0..LANES {
-            if wanted[lane] {
-                self.sampler[lane].begin_vertex(vertex[lane]);
-                put(&mut numbers, lane, self.sampler[lane].numbers(block));
+        for group in (0..LANES).step_by(GROUP) {
+            let [vertices, samples] = [vertex, &self.sample].map(|column| core::array::from_fn(|k| column[group + k]));
+            let of_group = self.places.part::<GROUP>(group).numbers(&vertices, block as u32, &samples);
+            for (column, own) in numbers.iter_mut().zip(&of_group) {
+                column[group..group + GROUP].copy_from_slice(own);
             }
         }
         numbers

@@ -78,12 +78,12 @@ pub(crate) fn render<R: Real, E: EffectSet>(
 
         let mut vertex = paths.bounce;
         vertex.iter_mut().for_each(|vertex| *vertex += 1);
-        let numbers = paths.addresses.numbers::<E>(&vertex, Block::Scatter, &paths.live);
+        let numbers = paths.addresses.numbers::<E>(&vertex, Block::Scatter);
         let from = Arrivals { few: &few, rays: &paths.rays, hits: &hits, surfaces: &surfaces };
         departures.reflect::<E>(&from, &paths.live);
         let is_diffuse = kinds.map(|kind| kind == Kind::Diffuse);
         if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
-            let numbers = paths.addresses.numbers::<E>(&vertex, Block::Light, &is_diffuse);
+            let numbers = paths.addresses.numbers::<E>(&vertex, Block::Light);
             let (arriving, shadows) = direct::<R, E>(options, &from, &departures, &numbers, &is_diffuse);
             rays += shadows;
             for lane in 0..LANES {
