@@ -314,6 +314,8 @@ fn passes<R: TableReal>(
                 .pixels
                 .par_chunks_mut(region.width() as usize)
                 .enumerate()
+                // Row by row to the end, or a thread would be left with several of the last.
+                .with_max_len(1)
                 .map(of_row)
                 .reduce(Work::default, |a, b| a + b);
         start = end;

@@ -28,8 +28,8 @@ const SIZES: [usize; 6] = [100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000];
 const BUMPS: usize = 2_000_000;
 /// Triangles of the plain sphere, which is there for its leaks.
 const SPHERE: usize = 20_000;
-/// Builds are repeated more often in meshes of fewer triangles.
-const LARGE: usize = 500_000;
+/// How often a hierarchy is built, of which the median counts.
+const BUILDS: usize = 5;
 
 fn main() -> ExitCode {
     let done = Options::parse(std::env::args().skip(1))
@@ -101,7 +101,7 @@ fn find(options: &Options, name: &str) -> Result<Option<Mesh>, String> {
 /// Prints the tables of a mesh; says what does not agree. The plain sphere has only one, of leaks.
 fn compare(options: &Options, embree: Option<&Embree>, mesh: &Mesh) -> Result<Vec<String>, String> {
     println!("\n## {}: {} triangles\n", mesh.name, mesh.triangles.len());
-    ours::with_scene(mesh, builds(mesh), |ours| {
+    ours::with_scene(mesh, BUILDS, |ours| {
         let rows = rows(ours, embree, mesh, |title| options.wants(title))?;
         let leaks: Option<Vec<f64>> = mesh.closed.then(|| {
             let set = rays::at_corners_and_edges(mesh, options.rays);
@@ -126,7 +126,7 @@ fn compare(options: &Options, embree: Option<&Embree>, mesh: &Mesh) -> Result<Ve
 
 /// One size of the growth table, with the most instructions that this machine has; and what does not agree.
 fn grow(options: &Options, embree: Option<&Embree>, mesh: &Mesh) -> Result<(Vec<Vec<String>>, Vec<String>), String> {
-    ours::with_scene(mesh, builds(mesh), |ours| {
+    ours::with_scene(mesh, BUILDS, |ours| {
         let best = Isa::best().to_string();
         let mut rows = rows(ours, embree, mesh, |title| options.wants(title) && title.ends_with(&best))?;
         rows.retain(|row| row.isa == Isa::best());
@@ -135,11 +135,6 @@ fn grow(options: &Options, embree: Option<&Embree>, mesh: &Mesh) -> Result<(Vec<
         let lines = table::growth_lines(mesh.triangles.len(), &rows, &measured);
         Ok((lines, measure::complaints(&rows, &measured, &sets)))
     })?
-}
-
-/// How often a hierarchy is built, of which the median counts.
-fn builds(mesh: &Mesh) -> usize {
-    if mesh.triangles.len() < LARGE { 5 } else { 3 }
 }
 
 /// Our own rows, the most instructions first, and those of the others that are wanted.
@@ -151,8 +146,8 @@ fn rows<'a>(
 ) -> Result<Vec<Row<'a>>, String> {
     let mut rows: Vec<Row<'a>> = Isa::available().rev().map(|isa| ours.row(isa)).collect();
     if let Some(embree) = embree {
-        rows.extend(embree.rows(mesh, builds(mesh), wanted)?);
+        rows.extend(embree.rows(mesh, BUILDS, wanted)?);
     }
-    rows.extend(rust_crates::rows(mesh, builds(mesh), wanted)?);
+    rows.extend(rust_crates::rows(mesh, BUILDS, wanted)?);
     Ok(rows)
 }
