@@ -317,14 +317,15 @@ impl Join for TwoThreads {
     }
 }
 
-/// Enough spheres and triangles for subtrees to be put off, and for work to be halved more than once.
+/// Enough spheres and triangles for subtrees to be put off, for work to be halved more than once, and for two threads to put
+/// triangles into bins.
 fn threads_change_nothing<R: Real>() {
     let mut random = Random::new(25);
     let mut owned = mixture::<R>(&mut random, 20_000, 30_000);
     let grey = owned.diffuse(0.5, 0.0);
-    owned.mesh(&cube(70), grey);
+    owned.mesh(&cube(105), grey);
     let geometry = owned.geometry();
-    assert!(geometry.len() > 100_000);
+    assert!(geometry.triangles().len() > 1 << 17);
     let [mut alone, mut together] = [0; 2].map(|_| Room::<R>::for_scene(&geometry));
     let alone = alone.build(&geometry, Structure::Bvh).expect("room for all");
     let Room { nodes, sphere_quads, triangle_quads, scratch } = &mut together;

@@ -11,12 +11,15 @@
 
 #[path = "support/callgrind.rs"]
 mod callgrind;
+#[path = "support/counts.rs"]
+mod counts;
 
 use std::error::Error;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
+use counts::Counts;
 use serde_json::Value;
 
 type Outcome = Result<(), Box<dyn Error>>;
@@ -26,8 +29,6 @@ type Bench = fn() -> Outcome;
 const FIGURES: [&str; 9] = ["fig2a", "fig2b", "fig2c", "fig2d", "fig4", "fig5a", "fig5b", "fig5c", "fig5d"];
 /// Figure 5c's floor on the two cores that it was set for, paths per second.
 const SPEED_FLOOR: f64 = 1.2e6;
-/// By how much instructions may grow: what another compiler's choices or another C library's copies make of them.
-const MARGIN: f64 = 0.03;
 const PROGRAM: &str = env!("CARGO_BIN_EXE_ocellus");
 
 fn main() -> ExitCode {
@@ -166,39 +167,25 @@ fn instructions() -> Outcome {
         "{:<8} {:>20} {:>16} {:>16} {:>8} {:>10}",
         "figure", "kernel", "specialised", "everything", "ratio", "to before"
     );
-    let written = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/instructions.txt");
-    let before = std::fs::read_to_string(&written)?;
-    let (mut slower, mut grown, mut lines) = (Vec::new(), Vec::new(), String::new());
+    let mut counts = Counts::of("instructions.txt")?;
+    let mut slower = Vec::new();
     for name in FIGURES {
         let (own, kernel, hash) = count(&figure(name), "auto")?;
         let (all, _, hash_of_all) = count(&figure(name), "all")?;
         if hash != hash_of_all {
             return Err(format!("{name}: the kernels differ in their pictures").into());
         }
-        let was = before.lines().find_map(|line| line.strip_prefix(name)?.trim().parse::<f64>().ok());
-        let change = was.map_or(f64::NAN, |was| own as f64 / was);
+        let change = counts.add(name, own as f64);
         let ratio = own as f64 / all as f64;
         println!("{name:<8} {kernel:>20} {own:>16} {all:>16} {ratio:>8.3} {change:>10.3}");
         if own > all {
             slower.push(name);
         }
-        if !(change <= 1.0 + MARGIN) {
-            grown.push(name);
-        }
-        lines += &format!("{name} {own}\n");
-    }
-    if std::env::var_os("OCELLUS_BLESS").is_some() {
-        std::fs::write(&written, lines)?;
-        grown.clear();
     }
     if !slower.is_empty() {
         return Err(format!("specialised is slower on {}", slower.join(", ")).into());
     }
-    if !grown.is_empty() {
-        let figures = grown.join(", ");
-        return Err(format!("more instructions than in {} on {figures}: find out why", written.display()).into());
-    }
-    Ok(())
+    Ok(counts.finish()?)
 }
 
 /// Instructions of a render by callgrind, the kernel it used and its picture's hash.

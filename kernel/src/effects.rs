@@ -131,7 +131,8 @@ pub trait EffectSet: Copy + Send + Sync + 'static {
     const ACCURACY: Accuracy = Accuracy::ROBUST;
 
     /// Called with what is about to be read, for processors that have an instruction to fetch it meanwhile. Nothing but time
-    /// depends on it, and by default it does nothing: such instructions are no safe code.
+    /// depends on it, and by default it does nothing: such instructions need `unsafe` code. Sets that wrap another pass it
+    /// on.
     #[inline(always)]
     fn prefetch<T>(_soon: &T) {}
 }

@@ -39,7 +39,7 @@ def rays(sizes):
 
 def write_bumps(file, triangles):
     """A closed sphere of radius 10 with bumps, of about so many triangles, as an OBJ file."""
-    rows = max(2, round((triangles / 4 + 1) ** 0.5))
+    rows = max(2, round(0.5 + (triangles / 4 + 0.25) ** 0.5))
     columns = 2 * rows
     latitude = np.linspace(0, np.pi, rows + 1)[1:-1, None]
     longitude = np.linspace(0, 2 * np.pi, columns, endpoint=False)[None, :]

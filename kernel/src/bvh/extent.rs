@@ -48,7 +48,7 @@ impl<R: Real> Extent<R> {
 /// Scratch of the builder: one per primitive. 32 bytes in f32.
 #[derive(Clone, Copy, Debug)]
 pub struct BuildItem<R: Real> {
-    /// The primitive's box. In its fourth lanes is the primitive's number: the upper half of its bits, and the lower one.
+    /// The primitive's box. In its fourth lanes is the primitive's number: the lower half of its bits, and the upper one.
     pub(super) extent: Extent<R>,
 }
 
@@ -57,14 +57,14 @@ impl<R: Real> BuildItem<R> {
     pub const EMPTY: Self = Self { extent: Extent::EMPTY };
 
     pub(super) fn new(bounds: &Bounds<R>, primitive: u32) -> Self {
-        let [low, high] = [primitive >> 16, primitive & 0xFFFF].map(|half| R::from_f64(f64::from(half)));
-        Self { extent: Extent::with_fourth(bounds, [low, high]) }
+        let halves = [primitive & 0xFFFF, primitive >> 16].map(|half| R::from_f64(f64::from(half)));
+        Self { extent: Extent::with_fourth(bounds, halves) }
     }
 
     /// The primitive's number.
     #[inline(always)]
     pub(super) fn primitive(&self) -> u32 {
-        let [high, low] = [self.extent.low, self.extent.high].map(|lanes| lanes.to_array()[3].to_i32() as u32);
+        let [low, high] = [self.extent.low, self.extent.high].map(|lanes| lanes.to_array()[3].to_i32() as u32);
         high << 16 | low
     }
 
@@ -85,4 +85,21 @@ pub(super) fn around<R: Real>(items: &[BuildItem<R>]) -> [Extent<R>; 2] {
 fn grown<R: Real>(bounds: &Extent<R>, keys: &Extent<R>, item: &BuildItem<R>) -> [Extent<R>; 2] {
     let key = item.keys();
     [bounds.union(&item.extent), keys.union(&Extent { low: key, high: key })]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_are_small_and_keep_every_number() {
+        assert_eq!(size_of::<BuildItem<f32>>(), 32);
+        for primitive in [0, 1, 0xFFFF, 0x1_0000, 0x100_0001, 0x7FFF_FFFF, u32::MAX] {
+            let place = Bounds { corners: [[-1.0f32; 3], [2.0; 3]] };
+            assert_eq!(BuildItem::new(&place, primitive).primitive(), primitive);
+            assert_eq!(BuildItem::new(&place, primitive).extent.bounds(), place);
+            let place = Bounds { corners: [[-1.0f64; 3], [2.0; 3]] };
+            assert_eq!(BuildItem::new(&place, primitive).primitive(), primitive);
+        }
+    }
 }

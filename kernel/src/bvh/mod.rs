@@ -92,8 +92,8 @@ impl<'a, R: Real> Bvh<'a, R> {
     /// Has the memory of a child fetched that is going to be visited later: a node, or the first triangles of a leaf.
     #[inline(always)]
     fn prefetch<E: EffectSet>(&self, child: node::ChildBits) {
-        // Both, one of them the first of all, which is at hand: a branch would cost more.
-        let (node, quad) = node::places(child);
+        // Both, of which at least one is the first of all and not wanted: a branch would cost more.
+        let (node, quad) = node::node_or_quad(child);
         self.nodes.get(node).into_iter().for_each(E::prefetch);
         self.triangle_quads.get(quad).into_iter().for_each(E::prefetch);
     }

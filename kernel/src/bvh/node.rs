@@ -76,11 +76,12 @@ pub(super) fn decode(child: ChildBits, all: [usize; 2]) -> Child {
     }
 }
 
-/// The number of the node that a child is, and of the first quad of triangles if it is a leaf of some; 0 else.
+/// The number of the node that a child is, and of the first quad of triangles if it is a leaf of some; 0 where it is not.
 #[inline(always)]
-pub(super) fn places(child: ChildBits) -> (usize, usize) {
-    let is_leaf = child & LEAF != 0;
-    (if is_leaf { 0 } else { child as usize }, if is_leaf { (child & FIRST) as usize } else { 0 })
+pub(super) fn node_or_quad(child: ChildBits) -> (usize, usize) {
+    let is_node = child & LEAF == 0;
+    let is_triangles = child & (LEAF | OF_SPHERES) == LEAF;
+    (if is_node { child as usize } else { 0 }, if is_triangles { (child & FIRST) as usize } else { 0 })
 }
 
 impl<R: Real> Node<R> {

@@ -121,7 +121,7 @@ impl<R: Real> Part<R> {
 
     /// Moves the items that belong left to the front, and keeps those; the rest is returned.
     fn partition(&mut self, items: &mut [BuildItem<R>], plane: &Plane<R>) -> Self {
-        let whole = *self;
+        let first = self.first;
         // Without a branch: which side an item belongs to is as good as chance.
         let mut at = 0;
         for next in 0..items.len() {
@@ -132,8 +132,8 @@ impl<R: Real> Part<R> {
             at += usize::from(is_left);
         }
         let (left, right) = items.split_at(at);
-        *self = Self::within(whole.first, left.len(), around(left));
-        Self::within(whole.first + at, right.len(), around(right))
+        *self = Self::within(first, left.len(), around(left));
+        Self::within(first + at, right.len(), around(right))
     }
 }
 
@@ -166,12 +166,14 @@ impl<R: Real> Bins<R> {
     /// The bin of an item along each axis; keys that are not numbers go first.
     #[inline(always)]
     fn of(&self, item: &BuildItem<R>) -> [usize; 4] {
+        const { assert!(MAX_BINS.is_power_of_two()) };
         let half = R::from_f64(0.5);
         let middle_of_first = half / R::UNIT_ROUNDOFF - half;
         let middle_of_last = R::from_f64((self.count - 1) as f64) + half;
         let places = (item.keys() - self.low) * self.scale;
         let places = R::Lanes::splat(half).greater(places).lesser(R::Lanes::splat(middle_of_last));
-        // Added to what makes neighbouring numbers one apart: then their last bits count.
+        // Added to a number so large that its neighbours are one apart, they are rounded to whole ones, which its last bits
+        // count. Half is taken off before, so that this rounds down; what is whole itself may go to the bin before.
         let counts = places + R::Lanes::splat(middle_of_first);
         counts.to_array().map(|count| (count.last_bits() % MAX_BINS as u32) as usize)
     }
@@ -258,4 +260,44 @@ fn halve<R: Real>(items: &mut [BuildItem<R>], keys: &Extent<R>) {
         });
         key_a.total_cmp(&key_b).then(a.primitive().cmp(&b.primitive()))
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::Bounds;
+
+    fn keys_go_into_the_bin_that_they_lie_in<R: Real>() {
+        let [zero, one] = [R::ZERO, R::ONE];
+        // Keys are twice the centres: eight bins from 0 to 8, whatever the axis.
+        let bins = Bins::<R> { count: 8, low: R::Lanes::splat(zero), scale: R::Lanes::splat(one) };
+        let of = |key: R| {
+            let point = key * R::from_f64(0.5);
+            let [x, y, z, _] = bins.of(&BuildItem::new(&Bounds { corners: [[point; 3]; 2] }, u32::MAX));
+            assert!(x == y && y == z);
+            x
+        };
+        for bin in 0..8 {
+            for part in [0.01, 0.3, 0.5, 0.7, 0.99] {
+                assert_eq!(of(R::from_f64(bin as f64 + part)), bin);
+            }
+            let whole = R::from_f64(bin as f64);
+            assert!(of(whole) == bin || of(whole) + 1 == bin);
+            assert_eq!(of(whole.next_up()), bin.max(of(whole)));
+        }
+        for (key, bin) in [(-one, 0), (zero, 0), (R::from_f64(8.0), 7), (R::MAX, 7), (R::LOWEST, 0)] {
+            assert_eq!(of(key), bin);
+        }
+        assert_eq!([of(R::INFINITY), of(-R::INFINITY), of(R::NAN)], [7, 0, 0]);
+    }
+
+    #[test]
+    fn keys_go_into_the_bin_that_they_lie_in_f32() {
+        keys_go_into_the_bin_that_they_lie_in::<f32>();
+    }
+
+    #[test]
+    fn keys_go_into_the_bin_that_they_lie_in_f64() {
+        keys_go_into_the_bin_that_they_lie_in::<f64>();
+    }
 }

@@ -56,12 +56,6 @@ pub(crate) fn independent(seed: u64, x: u32, y: u32, sample: u32, vertex: u32, b
     philox::<ROUNDS>([pixel(x, y), sample, vertex, block as u32], key(seed))
 }
 
-/// Keeps where Sobol's numbers of a pixel are.
-#[inline(always)]
-pub(crate) fn place<const N: usize>(places: &mut Places<N>, at: usize, seed: u64, x: u32, y: u32) {
-    places.set(at, sobol::Place::new(pixel(x, y), key(seed)));
-}
-
 /// Row and column, 16 bits each.
 #[inline(always)]
 fn pixel(x: u32, y: u32) -> u32 {

@@ -9,6 +9,7 @@
 //! Bits are kept reversed, the highest of a number in bit 0, since [`scramble`] works upwards; see there.
 
 use super::philox::{ROUNDS, philox};
+use super::{Block, key, pixel};
 
 /// A primitive polynomial over GF(2) and where its recurrence starts (Joe and Kuo: Constructing Sobol sequences with
 /// better two-dimensional projections. SIAM J. Sci. Comput. 30:5, 2008, file new-joe-kuo-6.21201).
@@ -131,7 +132,7 @@ fn scramble(reversed: u32, seed: u32) -> u32 {
 
 /// What the sequences of all vertices and blocks of one pixel are scrambled by: random words.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place([u32; 4]);
+pub(crate) struct Place([u32; 4]);
 
 impl Place {
     /// Of a pixel under a seed.
@@ -166,37 +167,35 @@ impl Place {
 pub(crate) struct Places<const N: usize>([[u32; N]; 4]);
 
 impl<const N: usize> Places<N> {
-    /// Nowhere.
+    /// Of no pixels yet.
     pub(crate) const NONE: Self = Self([[0; N]; 4]);
 
+    /// Of pixels of a row under a seed.
     #[inline(always)]
-    pub(super) fn set(&mut self, at: usize, place: Place) {
+    pub(crate) fn new(seed: u64, columns: &[u32; N], row: u32) -> Self {
+        let mut places = Self::NONE;
+        for (at, &column) in columns.iter().enumerate() {
+            places.set(at, Place::new(pixel(column, row), key(seed)));
+        }
+        places
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, at: usize, place: Place) {
         self.0.iter_mut().zip(place.0).for_each(|(words, word)| words[at] = word);
     }
 
-    /// Makes one of them one of others.
     #[inline(always)]
-    pub(crate) fn copy<const M: usize>(&mut self, at: usize, others: &Places<M>, from: usize) {
-        self.set(at, others.at(from));
-    }
-
-    #[inline(always)]
-    fn at(&self, at: usize) -> Place {
+    pub(crate) fn at(&self, at: usize) -> Place {
         Place(core::array::from_fn(|word| self.0[word][at]))
-    }
-
-    /// Some of them, from `first` on.
-    #[inline(always)]
-    pub(crate) fn part<const M: usize>(&self, first: usize) -> Places<M> {
-        Places(core::array::from_fn(|word| core::array::from_fn(|at| self.0[word][first + at])))
     }
 
     /// [`Place::numbers`] of each.
     #[inline(always)]
-    pub(crate) fn numbers(&self, vertices: &[u32; N], block: u32, samples: &[u32; N]) -> [[u32; N]; 4] {
+    pub(crate) fn numbers(&self, vertices: &[u32; N], block: Block, samples: &[u32; N]) -> [[u32; N]; 4] {
         let mut numbers = [[0; N]; 4];
         for at in 0..N {
-            let (index, seeds) = self.at(at).scrambled([vertices[at], block], samples[at]);
+            let (index, seeds) = self.at(at).scrambled([vertices[at], block as u32], samples[at]);
             let point = point_bit_by_bit(index);
             for ((numbers, x), seed) in numbers.iter_mut().zip(point).zip(seeds) {
                 numbers[at] = scramble(x, seed).reverse_bits();
@@ -254,12 +253,11 @@ mod tests {
             let word = |at: usize, k: u32| mix(round * 64 + at as u32 * 8 + k);
             let [vertices, samples] = [0, 1].map(|k| core::array::from_fn(|at| word(at, k) >> (round % 32)));
             (0..8).for_each(|at| places.set(at, Place(core::array::from_fn(|k| word(at, 2 + k as u32)))));
-            let block = round % 2;
+            let block = if round % 2 == 0 { Block::Scatter } else { Block::Light };
             let many = places.numbers(&vertices, block, &samples);
             for at in 0..8 {
-                let four = places.at(at).numbers([vertices[at], block], samples[at]);
+                let four = places.at(at).numbers([vertices[at], block as u32], samples[at]);
                 assert_eq!(many.map(|column| column[at]), four);
-                assert_eq!(places.part::<2>(at / 2 * 2).at(at % 2).0, places.at(at).0);
             }
         }
     }

@@ -1,5 +1,7 @@
 //! Scenes whose spheres are few enough to be looked at one by one for all lanes; there may be any number of triangles.
 
+use core::ops::Range;
+
 use super::columns::Vectors;
 use super::directions::Kind;
 use super::hits::Rays;
@@ -73,17 +75,26 @@ impl<'a, R: Real> Few<'a, R> {
         self.bounds.meets(place)
     }
 
+    /// The primitives that are triangles.
+    #[inline(always)]
+    pub(super) fn triangles<E: EffectSet>(&self) -> Range<u32> {
+        let first = self.spheres.len() as u32;
+        let end =
+            if const { E::EFFECTS.contains(Effects::TRIANGLES) } { self.scene.geometry().len() as u32 } else { 0 };
+        first..end
+    }
+
     /// Which of the triangles a primitive is, if it is one.
     #[inline(always)]
-    fn triangle(&self, primitive: u32) -> Option<usize> {
-        let triangle = (primitive as usize).checked_sub(self.spheres.len())?;
-        (triangle < self.scene.attributes().len()).then_some(triangle)
+    fn triangle<E: EffectSet>(&self, primitive: u32) -> Option<usize> {
+        let triangles = self.triangles::<E>();
+        triangles.contains(&primitive).then(|| (primitive - triangles.start) as usize)
     }
 
     /// Has what is known of a triangle fetched.
     #[inline(always)]
     pub(super) fn prefetch_triangle<E: EffectSet>(&self, primitive: u32) {
-        if let Some(triangle) = self.triangle(primitive) {
+        if let Some(triangle) = self.triangle::<E>(primitive) {
             self.scene.geometry().triangles().get(triangle).into_iter().for_each(E::prefetch);
             self.scene.attributes().get(triangle).into_iter().for_each(E::prefetch);
         }
@@ -93,7 +104,7 @@ impl<'a, R: Real> Few<'a, R> {
     #[inline(always)]
     pub(super) fn prefetch_corners<E: EffectSet>(&self, primitive: u32) {
         let geometry = self.scene.geometry();
-        let corners = self.triangle(primitive).and_then(|triangle| geometry.triangles().get(triangle));
+        let corners = self.triangle::<E>(primitive).and_then(|triangle| geometry.triangles().get(triangle));
         for &corner in corners.into_iter().flatten() {
             geometry.positions().get(corner as usize).into_iter().for_each(E::prefetch);
         }

@@ -2,7 +2,7 @@
 
 use super::columns::{Column, GROUP, LANES};
 use crate::effects::{EffectSet, Effects};
-use crate::sampler::{Block, Places, SamplerKind, independent, place};
+use crate::sampler::{Block, Places, SamplerKind, independent};
 
 /// Where each lane is among the sample numbers.
 pub(super) struct Addresses {
@@ -41,14 +41,11 @@ impl Addresses {
         if self.are_independent::<E>() {
             return self.independent(columns, samples, &[0; GROUP], Block::Scatter);
         }
-        let mut places = Places::<GROUP>::NONE;
-        for k in 0..GROUP {
-            place(&mut places, k, self.seed, columns[k], self.row);
-        }
+        let places = Places::new(self.seed, columns, self.row);
         for (k, &lane) in lanes.iter().enumerate() {
-            self.places.copy(lane, &places, k);
+            self.places.set(lane, places.at(k));
         }
-        places.numbers(&[0; GROUP], Block::Scatter as u32, samples)
+        places.numbers(&[0; GROUP], Block::Scatter, samples)
     }
 
     /// The four numbers of a block in each lane.
@@ -57,15 +54,7 @@ impl Addresses {
         if self.are_independent::<E>() {
             return self.independent(&self.column, &self.sample, vertex, block);
         }
-        let mut numbers = [[0; LANES]; 4];
-        for group in (0..LANES).step_by(GROUP) {
-            let [vertices, samples] = [vertex, &self.sample].map(|column| core::array::from_fn(|k| column[group + k]));
-            let of_group = self.places.part::<GROUP>(group).numbers(&vertices, block as u32, &samples);
-            for (column, own) in numbers.iter_mut().zip(&of_group) {
-                column[group..group + GROUP].copy_from_slice(own);
-            }
-        }
-        numbers
+        self.places.numbers(vertex, block, &self.sample)
     }
 
     #[inline(always)]
@@ -78,16 +67,11 @@ impl Addresses {
     ) -> [[u32; N]; 4] {
         let mut numbers = [[0; N]; 4];
         for k in 0..N {
-            put(&mut numbers, k, independent(self.seed, columns[k], self.row, samples[k], vertices[k], block));
+            let four = independent(self.seed, columns[k], self.row, samples[k], vertices[k], block);
+            for (column, number) in numbers.iter_mut().zip(four) {
+                column[k] = number;
+            }
         }
         numbers
-    }
-}
-
-/// Puts four numbers at the same place of four columns.
-#[inline(always)]
-fn put<const N: usize>(columns: &mut [[u32; N]; 4], at: usize, four: [u32; 4]) {
-    for (column, number) in columns.iter_mut().zip(four) {
-        column[at] = number;
     }
 }

@@ -74,9 +74,8 @@ impl<R: Real> Surfaces<R> {
     /// Those of all hits; of spheres for all lanes at once, of triangles one by one.
     #[inline(always)]
     pub(super) fn find<E: EffectSet>(&mut self, few: &Few<'_, R>, rays: &Rays<R>, hits: &Hits<R>) {
-        let first_triangle = few.spheres.len() as u32;
-        let end = if const { E::EFFECTS.contains(Effects::TRIANGLES) } { few.scene.geometry().len() as u32 } else { 0 };
-        let of_triangles = Lanes::that(|lane| (first_triangle..end).contains(&hits.primitive[lane]));
+        let triangles = few.triangles::<E>();
+        let of_triangles = Lanes::that(|lane| triangles.contains(&hits.primitive[lane]));
         of_triangles.for_each(|lane| few.prefetch_corners::<E>(hits.primitive[lane]));
         for lane in 0..LANES {
             let at = hits.primitive[lane] as usize % FEW_SPHERES;

@@ -51,7 +51,7 @@ pub(crate) fn with_scene<T>(mesh: &Mesh, builds: usize, work: impl FnOnce(&Ours<
         }
         Ok::<_, String>(median(&mut times))
     };
-    // As Embree's: who comes first is first to touch new memory.
+    // On two threads first, as for Embree: who comes first is first to touch new memory.
     let on_two = on(2)?;
     let build_seconds = [on(1)?, on_two];
     let mut hierarchy = Hierarchy::default();
