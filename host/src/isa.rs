@@ -7,9 +7,9 @@ use ocellus_kernel::{Accuracy, EffectSet, Effects};
 
 use crate::error::Error;
 
-/// How much memory is fetched at once, in bytes.
+/// How far apart what is fetched lies, in bytes: two cache lines, since processors fetch a line's neighbour with it.
 #[cfg(target_arch = "x86_64")]
-const CACHE_LINE: usize = 64;
+const FETCHED_APART: usize = 128;
 
 /// Instructions that a kernel may be compiled for. They change the time, and no bit of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,7 +107,7 @@ impl<E: EffectSet> EffectSet for Prefetching<E> {
         {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
             let start = std::ptr::from_ref(soon).cast::<i8>();
-            for line in (0..size_of::<T>()).step_by(CACHE_LINE) {
+            for line in (0..size_of::<T>()).step_by(FETCHED_APART) {
                 // SAFETY: the address is one of the value's; and the instruction reads nothing, whatever it is.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(line)) };
             }
