@@ -61,11 +61,7 @@ impl<R: Real> Part<R> {
     };
 
     pub(super) fn new(items: &[BuildItem<R>], first: usize, count: usize) -> Self {
-        Self::within(first, count, around(&items[first..first + count]))
-    }
-
-    /// Of items in a box, with their keys in another.
-    fn within(first: usize, count: usize, [bounds, keys]: [Extent<R>; 2]) -> Self {
+        let [bounds, keys] = around(&items[first..first + count]);
         let is_whole = quads(count) <= 1;
         Self { first, count, bounds, keys, is_leaf: is_whole, is_whole, plane: None }
     }
@@ -84,32 +80,28 @@ impl<R: Real> Part<R> {
             Cut::Halves => None,
             _ => *self.plane.get_or_insert_with(|| best_plane(range, &self.keys, filled, join)),
         };
-        let whole = *self;
-        let right = match plane {
+        let middle = match plane {
             Some(plane) => {
                 let visit = if cut == Cut::Free { LEAF_COST } else { VISIT_COST };
-                let cost = visit + plane.cost / whole.bounds.half_area().to_f64();
+                let cost = visit + plane.cost / self.bounds.half_area().to_f64();
                 if !is_too_large && !(cost < quads(self.count) as f64) {
                     self.keep(cut);
                     return None;
                 }
-                let mut right = self.partition(range, &plane);
-                if cut == Cut::Free {
-                    (self.is_leaf, right.is_leaf) = (true, true);
-                }
-                right
+                partition(range, &plane)
             }
-            None if is_too_large || cut == Cut::Halves => {
-                halve(range, &self.keys);
-                let middle = whole.count / 2;
-                *self = Self::new(items, whole.first, middle);
-                Self::new(items, whole.first + middle, whole.count - middle)
-            }
+            None if is_too_large || cut == Cut::Halves => halve(range, &self.keys),
             None => {
                 self.keep(cut);
                 return None;
             }
         };
+        let (first, count) = (self.first, self.count);
+        *self = Self::new(items, first, middle);
+        let mut right = Self::new(items, first + middle, count - middle);
+        if cut == Cut::Free {
+            (self.is_leaf, right.is_leaf) = (true, true);
+        }
         Some(right)
     }
 
@@ -118,23 +110,20 @@ impl<R: Real> Part<R> {
         self.is_leaf = true;
         self.is_whole |= cut == Cut::Free;
     }
+}
 
-    /// Moves the items that belong left to the front, and keeps those; the rest is returned.
-    fn partition(&mut self, items: &mut [BuildItem<R>], plane: &Plane<R>) -> Self {
-        let first = self.first;
-        // Without a branch: which side an item belongs to is as good as chance.
-        let mut at = 0;
-        for next in 0..items.len() {
-            let item = items[next];
-            let is_left = plane.is_left(&item);
-            items[next] = items[at];
-            items[at] = item;
-            at += usize::from(is_left);
-        }
-        let (left, right) = items.split_at(at);
-        *self = Self::within(first, left.len(), around(left));
-        Self::within(first + at, right.len(), around(right))
+/// Moves the items left of a plane to the front; how many those are.
+fn partition<R: Real>(items: &mut [BuildItem<R>], plane: &Plane<R>) -> usize {
+    // Without a branch: which side an item belongs to is as good as chance.
+    let mut at = 0;
+    for next in 0..items.len() {
+        let item = items[next];
+        let is_left = plane.is_left(&item);
+        items[next] = items[at];
+        items[at] = item;
+        at += usize::from(is_left);
     }
+    at
 }
 
 /// Where to cut, and what it costs: areas times costs.
@@ -168,13 +157,12 @@ impl<R: Real> Bins<R> {
     fn of(&self, item: &BuildItem<R>) -> [usize; 4] {
         const { assert!(MAX_BINS.is_power_of_two()) };
         let half = R::from_f64(0.5);
-        let middle_of_first = half / R::UNIT_ROUNDOFF - half;
         let middle_of_last = R::from_f64((self.count - 1) as f64) + half;
         let places = (item.keys() - self.low) * self.scale;
         let places = R::Lanes::splat(half).greater(places).lesser(R::Lanes::splat(middle_of_last));
         // Added to a number so large that its neighbours are one apart, they are rounded to whole ones, which its last bits
         // count. Half is taken off before, so that this rounds down; what is whole itself may go to the bin before.
-        let counts = places + R::Lanes::splat(middle_of_first);
+        let counts = places + R::Lanes::splat(half / R::UNIT_ROUNDOFF - half);
         counts.to_array().map(|count| (count.last_bits() % MAX_BINS as u32) as usize)
     }
 }
@@ -247,8 +235,9 @@ fn best_plane<R: Real>(
     best.filter(|best| best.cost < f64::MAX)
 }
 
-/// Puts the items below the median of the longest axis first; primitive numbers break ties, so the result is defined.
-fn halve<R: Real>(items: &mut [BuildItem<R>], keys: &Extent<R>) {
+/// Puts the items below the median of the longest axis first; primitive numbers break ties, so the result is defined. How many
+/// those are.
+fn halve<R: Real>(items: &mut [BuildItem<R>], keys: &Extent<R>) -> usize {
     let extent = (keys.high - keys.low).to_array();
     let axis = (1..3).fold(0, |longest, axis| if extent[axis] > extent[longest] { axis } else { longest });
     let middle = items.len() / 2;
@@ -260,6 +249,7 @@ fn halve<R: Real>(items: &mut [BuildItem<R>], keys: &Extent<R>) {
         });
         key_a.total_cmp(&key_b).then(a.primitive().cmp(&b.primitive()))
     });
+    middle
 }
 
 #[cfg(test)]
