@@ -19,22 +19,39 @@ pub(crate) fn any_triangle_near<R: Real>(
     if geometry.triangles().is_empty() {
         return false;
     }
-    let mut is_near =
-        |primitive: u32, corners: &[Vec3<R>; 3]| bounds::<R>(corners).meets(place) && is_it(primitive, corners);
     let Some(bvh) = bvh.filter(|bvh| bvh.fits(geometry)) else {
         let mut triangles = geometry.spheres().len()..geometry.len();
-        return triangles.any(|primitive| is_near(primitive as u32, &geometry.corners(primitive)));
+        return triangles
+            .any(|primitive| is_near::<R>(place, primitive as u32, &geometry.corners(primitive), &mut is_it));
     };
     bvh.walk(
         |node| node.meeting(place),
+        #[inline(always)]
         |leaf| match leaf {
-            Leaf::Triangles(quads) => quads.iter().any(|quad| {
-                set_bits(quad.meeting(place)).any(|lane| {
-                    let (primitive, corners) = quad.triangle(lane);
-                    is_near(primitive, &corners)
-                })
-            }),
+            Leaf::Triangles(quads) => quads.iter().any(
+                #[inline(always)]
+                |quad| {
+                    set_bits(quad.meeting(place)).any(
+                        #[inline(always)]
+                        |lane| {
+                            let (primitive, corners) = quad.triangle(lane);
+                            is_near::<R>(place, primitive, &corners, &mut is_it)
+                        },
+                    )
+                },
+            ),
             Leaf::Spheres(_) => false,
         },
     )
+}
+
+/// Whether the triangle's own box meets `place`, and `is_it` holds for it.
+#[inline(always)]
+fn is_near<R: Real>(
+    place: &Bounds<R>,
+    primitive: u32,
+    corners: &[Vec3<R>; 3],
+    is_it: &mut impl FnMut(u32, &[Vec3<R>; 3]) -> bool,
+) -> bool {
+    bounds::<R>(corners).meets(place) && is_it(primitive, corners)
 }

@@ -108,15 +108,15 @@ impl<R: Real> PreparedRay<R> {
         }
     }
 
-    /// One over the squared length of a ray's direction, if that is above 2^-40 and below 2^80, and the origin nearer than
+    /// The squared length of a ray's direction, if it is above 2^-40 and below 2^80, and the origin nearer than
     /// [`Sphere::is_near`] asks of spheres.
     #[inline(always)]
-    pub(crate) fn inverse_square_in_range(ray: &Ray<R>) -> Option<R> {
+    pub(crate) fn square_in_range(ray: &Ray<R>) -> Option<R> {
         let square = R::narrow(R::squared_length(ray.direction.to_array()));
         let in_range = square > R::from_f64(1.0 / NEAR)
             && square < R::from_f64(SQUARE_RANGE[1])
             && ray.origin.abs().max_component() < R::from_f64(NEAR);
-        if in_range { Some(R::ONE / square) } else { None }
+        if in_range { Some(square) } else { None }
     }
 
     /// Whether a sphere is one that it is not to meet: the one it leaves, the light it ends before.

@@ -30,7 +30,7 @@ pub(crate) struct SpherePoint<R: Real> {
 
 impl<R: Real> Sphere<R> {
     /// Whether squares of distances from it do not overflow, even over those of the directions of
-    /// [`PreparedRay::inverse_square_in_range`].
+    /// [`PreparedRay::square_in_range`].
     #[inline]
     pub(crate) fn is_near(&self) -> bool {
         let near = R::from_f64(super::NEAR);

@@ -62,7 +62,11 @@ impl<R: Real> Departures<R> {
             }
         }
         for lane in Lanes::that(|lane| wanted[lane] & (near[lane] != 0)) {
-            let departure = from.at(lane, |arrival| arrival.reflected::<E>(&surfaces.facing(lane)));
+            let departure = from.at(
+                lane,
+                #[inline(always)]
+                |arrival| arrival.reflected::<E>(&surfaces.facing(lane)),
+            );
             self.set(lane, departure);
         }
     }
@@ -70,7 +74,11 @@ impl<R: Real> Departures<R> {
     /// Of the ray of direction `wi` in one lane, which may pass through the surface.
     #[inline(always)]
     pub(super) fn scatter<E: EffectSet>(&mut self, lane: usize, from: &Arrivals<'_, R>, wi: Vec3<R>) {
-        let departure = from.at(lane, |arrival| arrival.scattered::<E>(&from.surfaces.facing(lane), wi));
+        let departure = from.at(
+            lane,
+            #[inline(always)]
+            |arrival| arrival.scattered::<E>(&from.surfaces.facing(lane), wi),
+        );
         self.set(lane, departure);
     }
 }

@@ -74,20 +74,22 @@ impl<R: Real> Hits<R> {
 
 /// What bounds need of the ray of each lane, and whether they prove nothing for it.
 struct Lines<R: Real> {
-    inverse_square: Column<R>,
-    inverse_length: Column<R>,
+    /// Of length one.
+    direction: Vectors<R>,
+    length: Column<R>,
     odd: Column<u32>,
 }
 
 impl<R: Real> Lines<R> {
     #[inline(always)]
     fn of(rays: &Rays<R>) -> Self {
-        let mut lines = Self { inverse_square: [R::ONE; LANES], inverse_length: [R::ONE; LANES], odd: [0; LANES] };
+        let mut lines = Self { direction: Vectors::ZERO, length: [R::ONE; LANES], odd: [0; LANES] };
         for lane in 0..LANES {
-            let found = PreparedRay::inverse_square_in_range(&rays.ray(lane));
-            let inverse_square = found.unwrap_or(R::ONE);
-            lines.inverse_square[lane] = inverse_square;
-            lines.inverse_length[lane] = inverse_square.sqrt();
+            let ray = rays.ray(lane);
+            let found = PreparedRay::square_in_range(&ray);
+            let length = found.unwrap_or(R::ONE).sqrt();
+            lines.direction.set(lane, ray.direction * (R::ONE / length));
+            lines.length[lane] = length;
             lines.odd[lane] = u32::from(found.is_none());
         }
         lines
@@ -95,13 +97,7 @@ impl<R: Real> Lines<R> {
 
     #[inline(always)]
     fn at(&self, rays: &Rays<R>, lane: usize) -> Line<R> {
-        Line {
-            origin: rays.origin.at(lane),
-            direction: rays.direction.at(lane),
-            inverse_square: self.inverse_square[lane],
-            inverse_length: self.inverse_length[lane],
-            error: rays.error[lane],
-        }
+        Line { origin: rays.origin.at(lane), direction: self.direction.at(lane), error: rays.error[lane] }
     }
 }
 
@@ -134,11 +130,11 @@ pub(super) fn closest<R: Real, E: EffectSet>(
 
 /// What rays may meet first.
 struct Candidates<R: Real, const N: usize> {
-    /// Number of the sphere that may be met first, when that may be, and when the next one may.
+    /// Number of the sphere that may be met first, how far ahead that may be, and how far the next one may be met.
     index: [u32; N],
     first: [R; N],
     second: [R; N],
-    /// When one of them has been met for certain.
+    /// Where one of them has been met for certain.
     latest: [R; N],
 }
 
@@ -209,7 +205,8 @@ pub(super) fn occluded<R: Real, E: EffectSet>(few: &Few<'_, R>, rays: &Rays<R>, 
             let (center, radius) = (sphere.center, sphere.radius);
             for k in 0..GROUP {
                 let lane = group + k;
-                let (possible, certain) = occlusion::<R>(center, radius, &lines.at(rays, lane), rays.tmax);
+                let end = rays.tmax * lines.length[lane];
+                let (possible, certain) = occlusion::<R>(center, radius, &lines.at(rays, lane), end);
                 let stays = rays.departed[lane] != number;
                 group_maybe[k] |= u32::from(stays & possible);
                 group_met[k] |= u32::from(stays & certain);

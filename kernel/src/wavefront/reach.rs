@@ -1,13 +1,14 @@
 //! Between which bounds a ray meets a sphere, by rounded numbers alone.
 //!
-//! Lengths are divided by that of the ray's direction, so that they are values of t: `F` is the distance of the sphere's
-//! centre from the origin, `r` its radius, `foot` the t at which the ray is nearest to the centre, `u` the unit roundoff.
-//! Computed squares of distances, differences and `foot^2` are off by at most `gamma(30) (F^2 + r^2)` in all, as
-//! `SphereQuad::candidates` counts it, and `foot` by at most `gamma(9) F`. `gamma(64) (F^2 + r^2)` and, since
-//! `F <= |foot| + r` where the ray meets the sphere, `gamma(16) (|foot| + r)` cover them, with the roundings of what is
-//! computed from them, and those of the exact test, which are wide but for the last. What can underflow is covered by
-//! `MIN_POSITIVE`: squared lengths of directions and origins are in the range that
-//! [`crate::shape::PreparedRay::inverse_square_in_range`] asks for.
+//! All lengths are distances along the ray: values of t times the length of its direction. `F` is the distance of the
+//! sphere's centre from the origin, `r` its radius, `foot` where the ray is nearest to the centre, `u` the unit roundoff.
+//! The computed unit direction is off by `gamma(4)`, so `foot` by at most `gamma(8) F`, and squares of distances and their
+//! differences by at most `gamma(28) F^2 + gamma(3) r^2`, as `SphereQuad::candidates` counts it. `tmax` is off by
+//! `gamma(3)` of itself; where it lies before `foot`, the square of their difference is off by `gamma(26) F^2` more.
+//! `gamma(64) (F^2 + r^2)` and, since `F <= |foot| + r` where the ray meets the sphere, `gamma(20) (|foot| + r)` cover them,
+//! with the roundings of what is computed from them, and those of the exact test, which are wide but for the last. What can
+//! underflow is covered by `MIN_POSITIVE`: squared lengths of directions and origins are in the range that
+//! [`crate::shape::PreparedRay::square_in_range`] asks for.
 
 use crate::real::{Real, Vec3, Vector, greater};
 use crate::robust::gamma;
@@ -16,15 +17,13 @@ use crate::robust::gamma;
 #[derive(Clone, Copy)]
 pub(super) struct Line<R: Real> {
     pub(super) origin: Vec3<R>,
+    /// Of length one.
     pub(super) direction: Vec3<R>,
-    /// One over the squared length of the direction, and over its length.
-    pub(super) inverse_square: R,
-    pub(super) inverse_length: R,
     /// How far the origin may be from where it should.
     pub(super) error: R,
 }
 
-/// Where in `t > 0` a ray meets a sphere, as `Sphere::intersect` finds it.
+/// How far ahead a ray meets a sphere, as `Sphere::intersect` finds it.
 #[derive(Clone, Copy)]
 pub(super) struct Reach<R> {
     /// Not before; infinite where it certainly does not.
@@ -33,7 +32,7 @@ pub(super) struct Reach<R> {
     pub(super) latest: R,
 }
 
-/// A sphere seen from the origin of a ray; all are values of t, or their squares.
+/// A sphere seen from the origin of a ray.
 struct Seen<R> {
     foot: R,
     radius: R,
@@ -43,26 +42,27 @@ struct Seen<R> {
     half_square: R,
     /// What both squares are off by, at most.
     doubt: R,
-    /// What values of t are off by besides, at most.
+    /// What distances are off by besides, at most.
     slack: R,
 }
 
 #[inline(always)]
 fn see<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>) -> Seen<R> {
     let to_center = center - line.origin;
-    let foot = to_center.dot(line.direction) * line.inverse_square;
-    let distance_square = to_center.dot(to_center) * line.inverse_square;
-    let radius = radius * line.inverse_length;
+    let foot = to_center.dot(line.direction);
+    let distance_square = to_center.dot(to_center);
+    // All that the radius stands in alone is worked out once for many rays.
     let radius_square = radius * radius;
-    let underflow = (line.inverse_square + R::ONE) * (R::MIN_POSITIVE * R::from_f64(64.0));
+    let least_doubt = radius_square * gamma::<R>(64) + R::MIN_POSITIVE * R::from_f64(64.0);
+    let least_slack = radius * gamma::<R>(20);
     let depth = radius_square - distance_square;
     Seen {
         foot,
         radius,
         depth,
         half_square: depth + foot * foot,
-        doubt: (radius_square + distance_square) * gamma::<R>(64) + underflow,
-        slack: (foot.abs() + radius) * gamma::<R>(16),
+        doubt: distance_square * gamma::<R>(64) + least_doubt,
+        slack: foot.abs() * gamma::<R>(20) + least_slack,
     }
 }
 
@@ -77,14 +77,14 @@ impl<R: Real> Seen<R> {
     #[inline(always)]
     fn is_inside(&self, line: &Line<R>) -> bool {
         // A margin of twice the radius and the error, rounded; and it needs room for its own rounding.
-        let margin = self.radius * (line.error * line.inverse_length) * R::from_f64(4.0);
+        let margin = (self.radius * R::from_f64(4.0)) * line.error;
         self.depth > self.doubt + margin
     }
 
     /// Whether the sphere's own box is met there without doubt: a quarter of what `Sphere::has_in_box` asks for.
     #[inline(always)]
-    fn has_in_box(&self, t: R) -> bool {
-        t < self.radius * R::from_f64(f64::from(1u32 << 18))
+    fn has_in_box(&self, distance: R) -> bool {
+        distance < self.radius * R::from_f64(f64::from(1u32 << 18))
     }
 }
 
@@ -93,16 +93,17 @@ impl<R: Real> Seen<R> {
 pub(super) fn reach<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>) -> Reach<R> {
     let seen = see::<R>(center, radius, line);
     let Seen { foot, half_square, doubt, slack, .. } = seen;
-    let most = greater(half_square + doubt, R::ZERO).sqrt();
-    let least = greater(half_square - doubt, R::ZERO).sqrt();
+    let (most, least) = (half_square + doubt, half_square - doubt);
+    let outer = greater(most, R::ZERO).sqrt() + slack;
+    let inner = greater(least, R::ZERO).sqrt() - slack;
     // Both roots lie between these.
-    let near = [foot - most - slack, foot - least + slack];
-    let far = [foot + least - slack, foot + most + slack];
+    let near = [foot - outer, foot - inner];
+    let far = [foot + inner, foot + outer];
 
-    let possible = (half_square + doubt >= R::ZERO) & (far[1] > R::ZERO);
+    let possible = (most >= R::ZERO) & (far[1] > R::ZERO);
     // The exact test drops what lies behind an origin outside of the sphere. From inside, or where the middle of the chord
     // lies ahead, it finds one of the roots.
-    let certain = (half_square > doubt) & ((foot > slack) | seen.is_inside(line));
+    let certain = (least > R::ZERO) & ((foot > slack) | seen.is_inside(line));
     let earliest = greater(if near[1] > R::ZERO { near[0] } else { far[0] }, R::ZERO);
     let latest = if near[0] > R::ZERO { near[1] } else { far[1] };
     Reach {
@@ -111,19 +112,19 @@ pub(super) fn reach<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>) -> Reac
     }
 }
 
-/// Whether a ray may meet a sphere in `0 < t <= tmax`, and whether it certainly does. Without a root: of hits only those
-/// are certain whose ray comes from outside, enters and passes the middle of its chord before `tmax`.
+/// Whether a ray may meet a sphere up to a distance of `end`, and whether it certainly does. Without a root: of hits only
+/// those are certain whose ray comes from outside, enters and passes the middle of its chord before the end.
 #[inline(always)]
-pub(super) fn occlusion<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>, tmax: R) -> (bool, bool) {
+pub(super) fn occlusion<R: Real>(center: Vec3<R>, radius: R, line: &Line<R>, end: R) -> (bool, bool) {
     let seen = see::<R>(center, radius, line);
     let Seen { foot, half_square, doubt, slack, .. } = seen;
     let outside = seen.is_outside();
     let beside = half_square + doubt < R::ZERO;
     let behind = outside & (foot < -slack);
     // The squared distance of the centre from the end of the ray; beyond it lies what has yet to be reached there.
-    let left = foot - tmax;
+    let left = foot - end;
     let beyond = (half_square + doubt < left * left) & (left > slack);
-    let certain = outside & (half_square > doubt) & (foot > slack) & (foot + slack < tmax) & seen.has_in_box(foot);
+    let certain = outside & (half_square > doubt) & (foot > slack) & (foot + slack < end) & seen.has_in_box(foot);
     (!(beside | behind | beyond), certain)
 }
 
@@ -170,28 +171,27 @@ mod tests {
                     // As from its surface, on a side that rounding decides.
                     let error = if k % 3 == 0 { radius * 1e-6 } else { 0.0 };
                     let ray = Ray::<f32>::new(V::ZERO, direction);
-                    let Some(inverse_square) = PreparedRay::inverse_square_in_range(&ray) else { continue };
+                    let Some(square) = PreparedRay::square_in_range(&ray) else { continue };
+                    let length = square.sqrt();
                     let from = Departure { error, ..Departure::exactly(ray.origin) };
                     let prepared = PreparedRay::new_in::<Everything, false>(&ray, &from);
-                    let line = Line {
-                        origin: ray.origin,
-                        direction,
-                        inverse_square,
-                        inverse_length: inverse_square.sqrt(),
-                        error,
-                    };
+                    let line = Line { origin: ray.origin, direction: direction * (1.0 / length), error };
+                    // Without a rounding.
+                    let exact_length = direction.as_dvec3().length();
                     let bounds = reach::<f32>(center, radius, &line);
                     let found = sphere.intersect_in::<Everything>(&prepared, f32::MAX);
                     let what = (&sphere, &ray, found, bounds.earliest, bounds.latest);
                     match found {
                         Some(t) => {
-                            assert!(bounds.earliest <= t && t <= bounds.latest, "{what:?}");
+                            let distance = f64::from(t) * exact_length;
+                            assert!(f64::from(bounds.earliest) <= distance, "{what:?}");
+                            assert!(distance <= f64::from(bounds.latest), "{what:?}");
                             assert!(bounds.latest.is_infinite() || sphere.has_in_box(&prepared, t), "{what:?}");
                         }
                         None => assert!(bounds.latest.is_infinite(), "{what:?}"),
                     }
                     for tmax in [0.5, 1.0, found.unwrap_or(2.0), found.map_or(3.0, f32::next_down), f32::MAX] {
-                        let (possible, sure) = occlusion::<f32>(center, radius, &line, tmax);
+                        let (possible, sure) = occlusion::<f32>(center, radius, &line, tmax * length);
                         let met = sphere.intersect_in::<Everything>(&prepared, tmax).is_some();
                         assert!((possible || !met) && (met || !sure), "{what:?} {tmax} {possible} {sure}");
                     }
