@@ -21,26 +21,24 @@ pub(crate) fn any_triangle_near<R: Real>(
     }
     let Some(bvh) = bvh.filter(|bvh| bvh.fits(geometry)) else {
         let mut triangles = geometry.spheres().len()..geometry.len();
-        return triangles
-            .any(|primitive| is_near::<R>(place, primitive as u32, &geometry.corners(primitive), &mut is_it));
+        return triangles.any(|primitive| is_near(place, primitive as u32, &geometry.corners(primitive), &mut is_it));
     };
     bvh.walk(
+        #[inline(always)]
         |node| node.meeting(place),
         #[inline(always)]
-        |leaf| match leaf {
-            Leaf::Triangles(quads) => quads.iter().any(
-                #[inline(always)]
-                |quad| {
-                    set_bits(quad.meeting(place)).any(
-                        #[inline(always)]
-                        |lane| {
-                            let (primitive, corners) = quad.triangle(lane);
-                            is_near::<R>(place, primitive, &corners, &mut is_it)
-                        },
-                    )
-                },
-            ),
-            Leaf::Spheres(_) => false,
+        |leaf| {
+            let Leaf::Triangles(quads) = leaf else { return false };
+            // Loops, not `any`: what that is given may become a function of its own, for the least of the instruction sets.
+            for quad in quads {
+                for lane in set_bits(quad.meeting(place)) {
+                    let (primitive, corners) = quad.triangle(lane);
+                    if is_near(place, primitive, &corners, &mut is_it) {
+                        return true;
+                    }
+                }
+            }
+            false
         },
     )
 }

@@ -70,18 +70,29 @@ impl<'p> Queue<'p> {
         self.started.place
     }
 
-    /// What the sample at `place` found.
+    /// What the sample at `place` found. It is added by [`Queue::add_ended`].
     #[inline(always)]
     pub(super) fn end(&mut self, place: usize, radiance: [f32; 3]) {
         self.waiting[place % WINDOW] = radiance;
         self.has_ended[place % WINDOW] = true;
-        while self.has_ended[self.added.place % WINDOW] {
-            let at = self.added.place % WINDOW;
-            self.has_ended[at] = false;
-            if let Some(pixel) = self.pixels.get_mut(self.added.pixel) {
-                pixel.add(self.waiting[at]);
+    }
+
+    /// Adds what has been found to the pixels, up to the first sample that is under way.
+    #[inline(always)]
+    pub(super) fn add_ended(&mut self) {
+        while let Some(pixel) = self.pixels.get_mut(self.added.pixel) {
+            let mut sum = *pixel;
+            let first = self.added.pixel;
+            while self.added.pixel == first && self.has_ended[self.added.place % WINDOW] {
+                let at = self.added.place % WINDOW;
+                self.has_ended[at] = false;
+                sum.add(self.waiting[at]);
+                self.added.advance(&self.samples);
             }
-            self.added.advance(&self.samples);
+            *pixel = sum;
+            if self.added.pixel == first {
+                return;
+            }
         }
     }
 }

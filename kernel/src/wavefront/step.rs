@@ -66,6 +66,7 @@ pub(crate) fn render<R: Real, E: EffectSet>(
     let (mut departures, mut directions) = (Departures::none(), Directions::none());
     let mut rays = 0;
     loop {
+        queue.add_ended();
         paths.start::<E>(view, [x, y], &mut queue);
         let alive = paths.live.iter().filter(|live| **live).count();
         if alive == 0 {
