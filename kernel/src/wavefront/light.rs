@@ -11,17 +11,23 @@ use crate::ray::NO_PRIMITIVE;
 use crate::real::{Real, Vec3, Vector};
 use crate::robust::shadow_tmax;
 
-/// A [`LightSample`] of one light in each lane.
-struct Samples<R: Real> {
+/// A [`LightSample`] of one light in each lane, and the ray that asks what is before it.
+pub(super) struct Samples<R: Real> {
+    shadow: Rays<R>,
     wi: Vectors<R>,
     target: Vectors<R>,
     weight: Vectors<R>,
     /// Whether there is one.
     seen: Column<bool>,
-    sphere: u32,
 }
 
 impl<R: Real> Samples<R> {
+    pub(super) fn none() -> Self {
+        let none = Vectors::ZERO;
+        let shadow = Rays { tmax: shadow_tmax::<R>(), ..Rays::none() };
+        Self { shadow, wi: none, target: none, weight: none, seen: [false; LANES] }
+    }
+
     #[inline(always)]
     fn set(&mut self, lane: usize, sample: &LightSample<R>) {
         self.wi.set(lane, sample.wi);
@@ -31,37 +37,38 @@ impl<R: Real> Samples<R> {
 
     /// Of a light, in the wanted lanes.
     #[inline(always)]
-    fn new<E: EffectSet>(
+    fn take<E: EffectSet>(
+        &mut self,
         light: &Light<R>,
         sampling: LightSampling,
         [u, v]: [&Column<R>; 2],
         from: &Arrivals<'_, R>,
         departures: &Departures<R>,
         wanted: &Column<bool>,
-    ) -> Self {
-        let none = Vectors::ZERO;
-        let mut samples = Self { wi: none, target: none, weight: none, seen: [false; LANES], sphere: NO_PRIMITIVE };
+    ) {
         let surfaces = from.surfaces;
+        self.shadow.light = NO_PRIMITIVE;
+        self.seen = [false; LANES];
         match light {
             Light::Sphere(light) if const { E::EFFECTS.contains(Effects::SPHERE_LIGHT) } => {
-                samples.sphere = light.sphere;
+                self.shadow.light = light.sphere;
                 for lane in 0..LANES {
-                    samples.seen[lane] = wanted[lane] && departures.sphere[lane] != light.sphere;
+                    self.seen[lane] = wanted[lane] && departures.sphere[lane] != light.sphere;
                 }
                 if sampling == LightSampling::Cone {
                     let (&sphere, emission) = light.body(from.few.scene);
                     for lane in 0..LANES {
                         let sample = light.sample_cone::<R>(&sphere, emission, surfaces.p.at(lane), u[lane], v[lane]);
-                        samples.set(lane, &sample);
+                        self.set(lane, &sample);
                     }
-                    return samples;
+                    return;
                 }
                 for lane in 0..LANES {
                     let point = surfaces.point(lane);
-                    if samples.seen[lane] {
+                    if self.seen[lane] {
                         let found = light.sample(from.few.scene, sampling, &point, u[lane], v[lane]);
-                        found.iter().for_each(|sample| samples.set(lane, sample));
-                        samples.seen[lane] = found.is_some();
+                        found.iter().for_each(|sample| self.set(lane, sample));
+                        self.seen[lane] = found.is_some();
                     }
                 }
             }
@@ -69,57 +76,52 @@ impl<R: Real> Samples<R> {
                 for lane in 0..LANES {
                     if wanted[lane] {
                         let found = light.sample(&surfaces.point(lane));
-                        found.iter().for_each(|sample| samples.set(lane, sample));
-                        samples.seen[lane] = found.is_some();
+                        found.iter().for_each(|sample| self.set(lane, sample));
+                        self.seen[lane] = found.is_some();
                     }
                 }
             }
             _ => {}
         }
-        samples
     }
-}
 
-/// [`crate::light::direct`] in the wanted lanes, and how many shadow rays it took.
-#[inline(always)]
-pub(super) fn direct<R: Real, E: EffectSet>(
-    options: &PathOptions,
-    from: &Arrivals<'_, R>,
-    departures: &Departures<R>,
-    numbers: &[Column<u32>; 4],
-    wanted: &Column<bool>,
-) -> (Vectors<R>, u64) {
-    let (mut sum, mut shadows) = (Vectors::<R>::ZERO, 0);
-    for (index, light) in from.few.scene.lights().iter().enumerate() {
-        let (mut u, mut v) = ([R::ZERO; LANES], [R::ZERO; LANES]);
-        for lane in 0..LANES {
-            [u[lane], v[lane]] = numbers_of(index, [numbers[0][lane], numbers[1][lane]]);
+    /// [`crate::light::direct`] in the wanted lanes, and how many shadow rays it took.
+    #[inline(always)]
+    pub(super) fn direct<E: EffectSet>(
+        &mut self,
+        options: &PathOptions,
+        from: &Arrivals<'_, R>,
+        departures: &Departures<R>,
+        numbers: &[Column<u32>; 4],
+        wanted: &Column<bool>,
+    ) -> (Vectors<R>, u64) {
+        let (mut sum, mut shadows) = (Vectors::<R>::ZERO, 0);
+        self.shadow.origin = departures.origin;
+        self.shadow.error = departures.error;
+        self.shadow.departed = departures.sphere;
+        for (index, light) in from.few.scene.lights().iter().enumerate() {
+            let (mut u, mut v) = ([R::ZERO; LANES], [R::ZERO; LANES]);
+            for lane in 0..LANES {
+                [u[lane], v[lane]] = numbers_of(index, [numbers[0][lane], numbers[1][lane]]);
+            }
+            self.take::<E>(light, options.light_sampling, [&u, &v], from, departures, wanted);
+            let mut cosines = [R::ZERO; LANES];
+            for lane in 0..LANES {
+                self.shadow.direction.set(lane, self.target.at(lane) - departures.origin.at(lane));
+                cosines[lane] = diffuse::cosine(&from.surfaces.facing(lane), self.wi.at(lane));
+            }
+            for lane in 0..LANES {
+                self.seen[lane] &= cosines[lane] != R::ZERO;
+                shadows += u64::from(self.seen[lane]);
+            }
+            let hidden = occluded::<R, E>(from.few, &self.shadow, &self.seen);
+            for lane in 0..LANES {
+                let lit = self.seen[lane] & !hidden[lane];
+                let more = reflected::<R>(self.weight.at(lane), cosines[lane]);
+                let more = if lit { more } else { Vec3::<R>::ZERO };
+                sum.set(lane, sum.at(lane) + more);
+            }
         }
-        let samples = Samples::new::<E>(light, options.light_sampling, [&u, &v], from, departures, wanted);
-
-        let mut shadow = Rays::none();
-        shadow.tmax = shadow_tmax::<R>();
-        shadow.light = samples.sphere;
-        shadow.origin = departures.origin;
-        shadow.error = departures.error;
-        shadow.departed = departures.sphere;
-        let mut cosines = [R::ZERO; LANES];
-        for lane in 0..LANES {
-            shadow.direction.set(lane, samples.target.at(lane) - departures.origin.at(lane));
-            cosines[lane] = diffuse::cosine(&from.surfaces.facing(lane), samples.wi.at(lane));
-        }
-        let mut seen = samples.seen;
-        for lane in 0..LANES {
-            seen[lane] &= cosines[lane] != R::ZERO;
-            shadows += u64::from(seen[lane]);
-        }
-        let hidden = occluded::<R, E>(from.few, &shadow, &seen);
-        for lane in 0..LANES {
-            let lit = seen[lane] & !hidden[lane];
-            let more = reflected::<R>(samples.weight.at(lane), cosines[lane]);
-            let more = if lit { more } else { Vec3::<R>::ZERO };
-            sum.set(lane, sum.at(lane) + more);
-        }
+        (sum, shadows)
     }
-    (sum, shadows)
 }

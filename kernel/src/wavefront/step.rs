@@ -8,7 +8,7 @@ use super::directions::{Directions, Kind};
 use super::few::{FEW_SPHERES, Few};
 use super::glass;
 use super::hits::{Hits, Rays, closest};
-use super::light::direct;
+use super::light::Samples;
 use super::numbers::Addresses;
 use super::queue::Queue;
 use super::surfaces::Surfaces;
@@ -64,6 +64,7 @@ pub(crate) fn render<R: Real, E: EffectSet>(
     };
     let (mut hits, mut surfaces) = (Hits::none(), Surfaces::none());
     let (mut departures, mut directions) = (Departures::none(), Directions::none());
+    let mut lights = Samples::none();
     let mut rays = 0;
     loop {
         queue.add_ended();
@@ -85,7 +86,7 @@ pub(crate) fn render<R: Real, E: EffectSet>(
         let is_diffuse = kinds.map(|kind| kind == Kind::Diffuse);
         if const { E::EFFECTS.intersects(Effects::POINT_LIGHT.union(Effects::SPHERE_LIGHT)) } {
             let numbers = paths.addresses.numbers::<E>(&vertex, Block::Light);
-            let (arriving, shadows) = direct::<R, E>(options, &from, &departures, &numbers, &is_diffuse);
+            let (arriving, shadows) = lights.direct::<E>(options, &from, &departures, &numbers, &is_diffuse);
             rays += shadows;
             for lane in 0..LANES {
                 let more = paths.throughput.at(lane) * albedos.at(lane) * arriving.at(lane);
