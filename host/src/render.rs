@@ -136,7 +136,7 @@ impl Monitor for Unmonitored {
 
 /// Largest number of samples of a pass: small enough that a picture that is stopped early is even, large enough that the
 /// last paths of a row, which leave lanes idle, are few among all.
-const LARGEST_PASS: u32 = 32;
+const LARGEST_PASS: u32 = 64;
 
 /// Renders `description`. The picture depends on the description and the samples alone.
 ///
