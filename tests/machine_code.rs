@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use addr2line::Loader;
-use iced_x86::{Decoder, DecoderOptions};
+use iced_x86::{Decoder, DecoderOptions, Instruction};
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use ocellus::isa::Isa;
 use ocellus::kernels::{ALTERNATIVES, Row, TABLE, TableReal};
@@ -81,14 +81,29 @@ impl Program {
                 }
                 // 0 where the instruction is no direct call or jump.
                 let target = instruction.near_branch_target();
-                // Formatting and panics of the standard library do no work of the kernel.
-                let is_ours = self.functions.get(&target).is_some_and(|(name, _)| name.contains("ocellus"));
-                if is_ours && seen.insert(target) {
+                if self.functions.contains_key(&target) && seen.insert(target) && self.is_ours(target) {
                     waiting.push(target);
                 }
             }
         }
         found
+    }
+
+    /// Whether a function has code of the kernel, by name or inlined: formatting and panics of the standard library do no
+    /// work of it, but an iterator of the standard library may.
+    fn is_ours(&self, address: u64) -> bool {
+        let (name, code) = &self.functions[&address];
+        let is_inlined = |instruction: Instruction| {
+            let mut frames = self.lines.find_frames(instruction.ip()).unwrap();
+            while let Some(frame) = frames.next().unwrap() {
+                if frame.location.and_then(|location| location.file).is_some_and(|file| file.contains("kernel/src/")) {
+                    return true;
+                }
+            }
+            false
+        };
+        name.contains("ocellus")
+            || Decoder::with_ip(64, code, address, DecoderOptions::NONE).into_iter().any(is_inlined)
     }
 
     /// The code of a row's kernel.

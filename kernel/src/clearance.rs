@@ -54,12 +54,12 @@ impl<R: Real> Clearance<'_, R> {
     #[inline(always)]
     pub(crate) fn is_needed(&self, offset: Vec3<R>) -> bool {
         let offset = widen::<R>(offset);
-        let is_in_the_way = |_, corners: &[Vec3<R>; 3]| self.plane(corners, offset).is_some();
         any_triangle_near(
             self.scene.geometry(),
             self.scene.bvh(),
             &place::<R>(self.point.p, self.error, self.along),
-            is_in_the_way,
+            #[inline(always)]
+            |_, corners| self.plane(corners, offset).is_some(),
         )
     }
 

@@ -20,8 +20,12 @@ pub(crate) fn any_triangle_near<R: Real>(
         return false;
     }
     let Some(bvh) = bvh.filter(|bvh| bvh.fits(geometry)) else {
-        let mut triangles = geometry.spheres().len()..geometry.len();
-        return triangles.any(|primitive| is_near(place, primitive as u32, &geometry.corners(primitive), &mut is_it));
+        for primitive in geometry.spheres().len()..geometry.len() {
+            if is_near(place, primitive as u32, &geometry.corners(primitive), &mut is_it) {
+                return true;
+            }
+        }
+        return false;
     };
     bvh.walk(
         #[inline(always)]
@@ -29,7 +33,7 @@ pub(crate) fn any_triangle_near<R: Real>(
         #[inline(always)]
         |leaf| {
             let Leaf::Triangles(quads) = leaf else { return false };
-            // Loops, not `any`: what that is given may become a function of its own, for the least of the instruction sets.
+            // Loops, not `any`: the compiler may make a function of its own of that, for the baseline instruction set.
             for quad in quads {
                 for lane in set_bits(quad.meeting(place)) {
                     let (primitive, corners) = quad.triangle(lane);

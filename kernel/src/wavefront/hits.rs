@@ -72,11 +72,12 @@ impl<R: Real> Hits<R> {
     }
 }
 
-/// What bounds need of the ray of each lane, and whether they prove nothing for it.
+/// What bounds need of the ray of each lane.
 struct Lines<R: Real> {
     /// Of length one.
     direction: Vectors<R>,
     length: Column<R>,
+    /// Whether bounds would prove nothing for it. Then the others are NaN, so that nothing seems certain.
     odd: Column<u32>,
 }
 
@@ -87,7 +88,7 @@ impl<R: Real> Lines<R> {
         for lane in 0..LANES {
             let ray = rays.ray(lane);
             let found = PreparedRay::square_in_range(&ray);
-            let length = found.unwrap_or(R::ONE).sqrt();
+            let length = found.unwrap_or(R::NAN).sqrt();
             lines.direction.set(lane, ray.direction * (R::ONE / length));
             lines.length[lane] = length;
             lines.odd[lane] = u32::from(found.is_none());
@@ -236,4 +237,60 @@ pub(super) fn occluded<R: Real, E: EffectSet>(few: &Few<'_, R>, rays: &Rays<R>, 
         };
     }
     hidden
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Everything;
+    use crate::material::{Diffuse, Material, Scattering};
+    use crate::robust::shadow_tmax;
+    use crate::scene::{Scene, SceneParts};
+    use crate::shape::Geometry;
+    use glam::Vec3 as V;
+
+    /// A ray so long that bounds prove nothing: with a direction taken for one of length one, the sphere beside it would
+    /// stand in its way.
+    #[test]
+    fn rays_out_of_range_are_answered_as_when_alone() {
+        let spheres = [Sphere { center: V::new(0.0, 0.5, 0.0), radius: 0.1, material: 0, inverted: false }];
+        let diffuse = Diffuse { albedo: V::ONE, texture: None };
+        let materials = [Material { scattering: Scattering::Diffuse(diffuse), emission: V::ZERO }];
+        let scene = Scene::<f32>::new(SceneParts {
+            geometry: Geometry::new(&spheres, &[], &[]).unwrap(),
+            bvh: None,
+            attributes: &[],
+            normals: &[],
+            uvs: &[],
+            materials: &materials,
+            textures: &[],
+            lights: &[],
+            aims: &[],
+            background: V::ZERO,
+        })
+        .unwrap();
+        let few = Few::of::<Everything>(&scene).unwrap();
+        let mut rays = Rays::<f32>::none();
+        let far = (1u64 << 41) as f32;
+        let directions =
+            [V::new(far, 1.8, 0.0), V::new(0.0, far, 0.0), V::new(0.0, 1e-9, 0.0), V::new(far, far, 1.0), V::Y, V::X];
+        for lane in 0..LANES {
+            rays.direction.set(lane, directions[lane % directions.len()]);
+        }
+        let found = |lane: usize, tmax: f32| {
+            let ray = Ray { tmax, ..rays.ray(lane) };
+            search::<f32, Everything, false>(scene.geometry(), None, &ray, &rays.departure(lane))
+        };
+        let mut hits = Hits::none();
+        closest::<f32, Everything>(&few, &rays, &[true; LANES], &mut hits);
+        for lane in 0..LANES {
+            assert_eq!(hits.at(lane), found(lane, f32::MAX).unwrap_or(Hit::none(f32::MAX)), "{lane}");
+        }
+        let tmax = shadow_tmax::<f32>();
+        let alone: [bool; LANES] = core::array::from_fn(|lane| found(lane, tmax).is_some());
+        rays.tmax = tmax;
+        let hidden = occluded::<f32, Everything>(&few, &rays, &[true; LANES]);
+        assert_eq!(hidden, alone);
+        assert_eq!(hidden[..6], [false, true, false, false, true, false]);
+    }
 }

@@ -11,13 +11,13 @@ use crate::ray::NO_PRIMITIVE;
 use crate::real::{Real, Vec3, Vector};
 use crate::robust::shadow_tmax;
 
-/// A [`LightSample`] of one light in each lane, and the ray that asks what is before it.
+/// A [`LightSample`] of one light in each lane, and its shadow ray.
 pub(super) struct Samples<R: Real> {
     shadow: Rays<R>,
     wi: Vectors<R>,
     target: Vectors<R>,
     weight: Vectors<R>,
-    /// Whether there is one.
+    /// Whether there is one. Where there is none, the rest is of an earlier light or step, and means nothing.
     seen: Column<bool>,
 }
 
@@ -37,7 +37,7 @@ impl<R: Real> Samples<R> {
 
     /// Of a light, in the wanted lanes.
     #[inline(always)]
-    fn take<E: EffectSet>(
+    fn sample<E: EffectSet>(
         &mut self,
         light: &Light<R>,
         sampling: LightSampling,
@@ -104,7 +104,7 @@ impl<R: Real> Samples<R> {
             for lane in 0..LANES {
                 [u[lane], v[lane]] = numbers_of(index, [numbers[0][lane], numbers[1][lane]]);
             }
-            self.take::<E>(light, options.light_sampling, [&u, &v], from, departures, wanted);
+            self.sample::<E>(light, options.light_sampling, [&u, &v], from, departures, wanted);
             let mut cosines = [R::ZERO; LANES];
             for lane in 0..LANES {
                 self.shadow.direction.set(lane, self.target.at(lane) - departures.origin.at(lane));

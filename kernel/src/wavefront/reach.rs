@@ -2,13 +2,21 @@
 //!
 //! All lengths are distances along the ray: values of t times the length of its direction. `F` is the distance of the
 //! sphere's centre from the origin, `r` its radius, `foot` where the ray is nearest to the centre, `u` the unit roundoff.
-//! The computed unit direction is off by `gamma(4)`, so `foot` by at most `gamma(8) F`, and squares of distances and their
-//! differences by at most `gamma(28) F^2 + gamma(3) r^2`, as `SphereQuad::candidates` counts it. `tmax` is off by
-//! `gamma(3)` of itself; where it lies before `foot`, the square of their difference is off by `gamma(26) F^2` more.
-//! `gamma(64) (F^2 + r^2)` and, since `F <= |foot| + r` where the ray meets the sphere, `gamma(20) (|foot| + r)` cover them,
-//! with the roundings of what is computed from them, and those of the exact test, which are wide but for the last. What can
-//! underflow is covered by `MIN_POSITIVE`: squared lengths of directions and origins are in the range that
-//! [`crate::shape::PreparedRay::square_in_range`] asks for.
+//! What is computed is off by (all is counted up):
+//!
+//! - the squared length of the direction by u, the length by 2 u, one over it by 3 u, the unit direction by 4 u;
+//! - `foot` by 8 u F: the unit direction, the difference of the points, and three roundings of the dot product; its square by
+//!   17 u F^2;
+//! - `F^2` by 6 u and `r^2` by u of itself; so `r^2 - F^2` by 7 u F^2 + 2 u r^2, and half a chord's square, with one more
+//!   rounding, by 25 u F^2 + 3 u r^2;
+//! - the end of the ray, `tmax` times the length, by 3 u of itself. Where that lies before `foot`, and so within F, their
+//!   difference is off by 12 u F, and its square by 26 u F^2. That an exact t is rounded to `tmax` adds 2 u F^2.
+//!
+//! `gamma(64) (F^2 + r^2)` covers what squares are off by, and `gamma(20) (|foot| + r)` what roots of exact squares would be:
+//! `F <= |foot| + r` where the ray meets the sphere. Both cover the roundings of what is computed from them, and those of the
+//! exact test, which are wide but for the last. The smallest doubt, some `MIN_POSITIVE`, covers squares that underflow; where
+//! more than that is left of a square, lengths are so large that nothing else does. Squared lengths of directions and origins
+//! are in the range that [`crate::shape::PreparedRay::square_in_range`] asks for.
 
 use crate::real::{Real, Vec3, Vector, greater};
 use crate::robust::gamma;
@@ -134,7 +142,7 @@ mod tests {
     use crate::departure::Departure;
     use crate::effects::Everything;
     use crate::ray::Ray;
-    use crate::robust::normalize;
+    use crate::robust::{normalize, shadow_tmax};
     use crate::shape::{PreparedRay, Sphere};
     use glam::Vec3 as V;
 
@@ -156,6 +164,8 @@ mod tests {
                 for k in 0..4000 {
                     let (radius, distance) = (radius * scale, distance * scale);
                     let mut any = || normalize::<f32>(V::new(next(), next(), next()));
+                    // From the origin of coordinates, or from near it.
+                    let origin = any() * if k % 5 < 3 { 0.0 } else { distance * 0.1 };
                     let center = any() * distance;
                     let (aside, free) = (any(), any());
                     // At random; at the rim, give or take little; along what touches the sphere at the origin.
@@ -167,10 +177,11 @@ mod tests {
                         _ => normalize::<f32>(aside.cross(center)) + center * (next() * 1e-7 / distance),
                     };
                     let direction = direction * if k % 8 < 4 { 1.0 / direction.length() } else { 1.0 };
+                    let center = origin + center;
                     let sphere = Sphere { center, radius, material: 0, inverted: false };
                     // As from its surface, on a side that rounding decides.
                     let error = if k % 3 == 0 { radius * 1e-6 } else { 0.0 };
-                    let ray = Ray::<f32>::new(V::ZERO, direction);
+                    let ray = Ray::<f32>::new(origin, direction);
                     let Some(square) = PreparedRay::square_in_range(&ray) else { continue };
                     let length = square.sqrt();
                     let from = Departure { error, ..Departure::exactly(ray.origin) };
@@ -190,9 +201,11 @@ mod tests {
                         }
                         None => assert!(bounds.latest.is_infinite(), "{what:?}"),
                     }
-                    for tmax in [0.5, 1.0, found.unwrap_or(2.0), found.map_or(3.0, f32::next_down), f32::MAX] {
+                    let near = found.map_or([2.0, 3.0], |t| [t, t.next_down()]);
+                    for tmax in [0.5, 1.0, shadow_tmax::<f32>(), near[0], near[1], f32::MAX] {
                         let (possible, sure) = occlusion::<f32>(center, radius, &line, tmax * length);
-                        let met = sphere.intersect_in::<Everything>(&prepared, tmax).is_some();
+                        let found = sphere.intersect_in::<Everything>(&prepared, tmax);
+                        let met = found.is_some_and(|t| sphere.has_in_box(&prepared, t));
                         assert!((possible || !met) && (met || !sure), "{what:?} {tmax} {possible} {sure}");
                     }
                     if k % 4 < 2 {
